@@ -1,0 +1,85 @@
+// Lineage: how sensitive an estimate is to each independent source of error.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "framework/estimate/source.h"
+
+namespace ilss {
+
+/// The factor matrix G (M x K, column-major) of an M-dimensional estimate over K sources of unit
+/// variance, sorted by source: covariance = G Gᵀ, so it is never indefinite. Buffers keep their
+/// capacity, so reuse does not allocate.
+class Lineage {
+ public:
+  explicit Lineage(std::size_t dimension = 0) : dimension_(dimension) {}
+
+  /// Forgets every source; the estimate is exact until columns are added.
+  void reset(std::size_t dimension) {
+    dimension_ = dimension;
+    sources_.clear();
+    factor_.clear();
+  }
+
+  std::size_t dimension() const { return dimension_; }  ///< M
+  std::size_t size() const { return sources_.size(); }  ///< K
+  bool empty() const { return sources_.empty(); }
+  std::span<const Source> sources() const { return sources_; }
+  std::span<const double> column(std::size_t k) const {
+    return {factor_.data() + k * dimension_, dimension_};
+  }
+  Eigen::Map<const Eigen::MatrixXd> factor() const {
+    return {factor_.data(), static_cast<Eigen::Index>(dimension_),
+            static_cast<Eigen::Index>(sources_.size())};
+  }
+
+  /// Adds a column; adds to it where the source is there already.
+  void add(Source source, std::span<const double> column);
+  /// Adds a column that is zero but for component i.
+  void add(Source source, std::size_t component, double sensitivity);
+  /// Adds the Cholesky factor of a noise covariance (M x M, positive semidefinite) as columns
+  /// `first.column`, +1, ... of the owner; zero columns are left out.
+  void add_noise(Source first, const Eigen::Ref<const Eigen::MatrixXd>& covariance);
+
+  Eigen::MatrixXd covariance() const;
+  double variance(std::size_t component) const;
+  double standard_deviation(std::size_t component) const;
+
+  /// Replaces columns that nothing else refers to by at most M of the same covariance (LQ), each
+  /// owner apart so that budgets survive. `foldable` says which sources may go; `folder` (below
+  /// 2^24) is unique to the place of folding and keeps the new sources' names unique.
+  void fold(const std::function<bool(const Source&)>& foldable, std::uint32_t folder);
+  /// As `fold`, but all foldable columns become at most M columns of one owner.
+  void fold_together(const std::function<bool(const Source&)>& foldable, std::uint32_t folder,
+                     std::uint32_t owner);
+
+ private:
+  friend struct LineageTerm;
+  friend void compose(std::span<const struct LineageTerm>, std::size_t, Lineage&);
+  void fold_columns(std::span<const std::size_t> columns, Source first);
+  void remove_marked(const std::vector<char>& gone);
+
+  std::size_t dimension_ = 0;
+  std::vector<Source> sources_;
+  std::vector<double> factor_;
+};
+
+/// One input of a linear map: its Jacobian (rows x lineage dimension, column-major) and lineage.
+struct LineageTerm {
+  const double* jacobian;
+  const Lineage* lineage;
+};
+
+/// `out` = sum of J_i G_i with columns aligned by source; `rows` is the dimension of `out`, which
+/// must not be one of the terms. Columns that vanish exactly are kept: dropping them would make the
+/// cost of a tick depend on its values.
+void compose(std::span<const LineageTerm> terms, std::size_t rows, Lineage& out);
+
+/// Cov(a, b) = G_a G_bᵀ over their common sources (M_a x M_b).
+Eigen::MatrixXd cross_covariance(const Lineage& a, const Lineage& b);
+
+}  // namespace ilss

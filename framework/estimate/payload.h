@@ -1,0 +1,78 @@
+// What a payload is at run time: its name, components, labels and samples. Types are told apart by
+// name, never by C++ identity, so that plug-ins, YAML and other hosts can have payloads too.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "framework/estimate/fields.h"
+
+namespace ilss {
+
+/// One number of a payload.
+struct Component {
+  std::string name;
+  std::string unit;  ///< SI: "m", "rad", "1", ...
+  std::string documentation;
+  std::optional<double> default_value;
+  bool circular = false;
+};
+
+/// A discrete value with its possible values.
+struct Label {
+  std::string name;
+  std::vector<std::string> values;
+};
+
+/// A large array that comes with the components: an image's grey levels, a scan's ranges. The noise
+/// of its elements is independent.
+struct SamplesDescriptor {
+  std::string unit;
+  std::vector<std::string> axes;  ///< what each index counts: {"row", "column"}
+};
+
+/// A payload's type. `element` names the payload of a set's elements, empty where it is not a set.
+struct PayloadDescriptor {
+  std::string name;
+  std::string documentation;
+  std::vector<Component> components;
+  std::vector<Label> labels = {};
+  std::optional<SamplesDescriptor> samples = {};
+  std::string element = {};
+
+  std::size_t dimension() const { return components.size(); }
+  /// The index of a component, if there is one of that name.
+  std::optional<std::size_t> find(std::string_view component) const {
+    for (std::size_t i = 0; i < components.size(); ++i)
+      if (components[i].name == component) return i;
+    return std::nullopt;
+  }
+};
+
+/// The descriptor of a struct payload, made from its `name` and `fields` (and `labels`).
+template <template <typename> class Payload>
+requires NumericPayload<Payload>
+const PayloadDescriptor& descriptor() {
+  static const PayloadDescriptor result = [] {
+    PayloadDescriptor d;
+    using P = Payload<double>;
+    d.name = P::name;
+    if constexpr (requires { P::documentation; }) d.documentation = P::documentation;
+    for (const Field& field : P::fields) {
+      Component c{std::string(field.name), std::string(field.unit),
+                  std::string(field.documentation), std::nullopt, field.circular};
+      if (field.default_value == field.default_value) c.default_value = field.default_value;
+      d.components.push_back(std::move(c));
+    }
+    if constexpr (requires { P::labels; })
+      for (const LabelField& label : P::labels)
+        d.labels.push_back({std::string(label.name), {label.values.begin(), label.values.end()}});
+    if constexpr (requires { P::samples; }) d.samples = P::samples();
+    return d;
+  }();
+  return result;
+}
+
+}  // namespace ilss

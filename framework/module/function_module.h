@@ -1,0 +1,252 @@
+// Functions as modules: a closed formula, generic in the scalar, becomes a logical sensor whose
+// errors propagate by automatic differentiation.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "framework/estimate/differentiate.h"
+#include "framework/module/module_type.h"
+
+namespace ilss {
+namespace internal {
+
+template <template <typename> class Out, template <typename> class... In>
+struct FormulaSignature {
+  template <typename T>
+  using Output = Out<T>;
+  template <typename T>
+  using Inputs = std::tuple<In<T>...>;
+  static constexpr std::size_t arguments = sizeof...(In);
+  static constexpr std::array<std::size_t, sizeof...(In)> dimensions = {dimension_of<In>...};
+  static std::vector<const PayloadDescriptor*> descriptors() { return {&descriptor<In>()...}; }
+  static const PayloadDescriptor& output() { return descriptor<Out>(); }
+};
+
+template <typename F, template <typename> class Out, template <typename> class... In>
+FormulaSignature<Out, In...> signature_of(Outcome<Out<double>> (F::*)(const In<double>&...) const);
+
+template <typename F>
+using SignatureOf = decltype(signature_of(&F::template operator()<double>));
+
+}  // namespace internal
+
+/// Makes a module of F, a class with
+///   static constexpr std::string_view name, description;
+///   static constexpr std::array<std::string_view, n> inputs;        // their names
+///   template <typename T> Outcome<Out<T>> operator()([const Parameters<T>&,] const In<T>&...)
+///   const;
+/// and optionally `Parameters`, `Options` (then constructed from them), `reference`, `faults`,
+/// `static void set_frames(Interface&, const Options&)` (default: the first input's frame), and
+/// `void jacobian(arguments as doubles..., const Out<double>& value, std::span<double> J) const`,
+/// the exact derivatives by all arguments, parameters first (column-major), instead of automatic
+/// ones.
+template <typename F>
+class FunctionModule final : public Module {
+  using Signature = internal::SignatureOf<F>;
+  using OutDouble = typename Signature::template Output<double>;
+  static constexpr bool has_parameters = internal::HasParameters<F>;
+  static constexpr std::size_t rows = OutDouble::fields.size();
+  static constexpr std::size_t parameter_columns = has_parameters ? Signature::dimensions[0] : 0;
+  static constexpr std::size_t all_columns = [] {
+    std::size_t sum = 0;
+    for (const std::size_t d : Signature::dimensions) sum += d;
+    return sum;
+  }();
+
+ public:
+  static constexpr std::size_t input_count = Signature::arguments - (has_parameters ? 1 : 0);
+
+  explicit FunctionModule(F formula) : formula_(std::move(formula)) {}
+
+  Outcome<> evaluate(const Evaluation& evaluation, Output& output) override {
+    bool any_error = false;
+    bool unknown = false;
+    for (std::size_t i = 0; i < input_count; ++i) {
+      any_error |= !evaluation.input(i).lineage.empty();
+      unknown |= evaluation.input(i).correlation_unknown;
+    }
+    Outcome<> outcome = has_parameters && !evaluation.parameters.lineage.empty()
+                            ? evaluate_linearized<0>(evaluation, output)
+                        : any_error ? evaluate_linearized<parameter_columns>(evaluation, output)
+                                    : evaluate_value(evaluation, output);
+    output.estimate.correlation_unknown = unknown;
+    return outcome;
+  }
+
+  /// The Jacobian by automatic differentiation, whatever the formula offers (rows x all arguments,
+  /// parameters first, column-major): what an exact `jacobian` is held against.
+  Outcome<Linearization<rows, all_columns>> differentiate(const Evaluation& evaluation) const {
+    Linearization<rows, all_columns> result;
+    auto value = call_with_duals<0>(evaluation);
+    if (!value) return value.fault();
+    read_linearization<rows, all_columns>(components(std::as_const(*value)), result);
+    return result;
+  }
+
+ private:
+  /// The estimate behind argument a of the formula: the parameters, then the inputs.
+  static const Estimate& argument(const Evaluation& evaluation, std::size_t a) {
+    if constexpr (has_parameters) {
+      if (a == 0) return evaluation.parameters;
+      return evaluation.input(a - 1);
+    } else {
+      return evaluation.input(a);
+    }
+  }
+
+  /// All arguments over scalar T; `fill(dual or double components, estimate, first column)`.
+  template <typename T, typename Fill>
+  static auto arguments(const Evaluation& evaluation, Fill fill) {
+    typename Signature::template Inputs<T> tuple{};
+    std::size_t a = 0;
+    std::size_t column = 0;
+    const auto read = [&](auto& payload) {
+      const Estimate& estimate = argument(evaluation, a);
+      const auto scalars = components(payload);
+      fill(std::span<T>(scalars.data(), scalars.size()), estimate, column);
+      if constexpr (requires { payload.label; })
+        for (std::size_t i = 0; i < payload.label.size(); ++i)
+          payload.label[i] = estimate.labels[i];
+      ++a;
+      column += scalars.size();
+    };
+    std::apply([&](auto&... payloads) { (read(payloads), ...); }, tuple);
+    return tuple;
+  }
+
+  auto double_arguments(const Evaluation& evaluation) const {
+    return arguments<double>(evaluation,
+                             [](std::span<double> out, const Estimate& in, std::size_t) {
+                               for (std::size_t i = 0; i < out.size(); ++i) out[i] = in.value[i];
+                             });
+  }
+
+  /// Calls the formula with derivatives by every argument column from `First` on.
+  template <std::size_t First>
+  auto call_with_duals(const Evaluation& evaluation) const {
+    constexpr std::size_t columns = all_columns - First;
+    using T = Dual<columns>;
+    const auto tuple =
+        arguments<T>(evaluation, [](std::span<T> out, const Estimate& in, std::size_t column) {
+          if (column >= First)
+            return seed_variables<columns>(std::span<const double>(in.value.data(), out.size()),
+                                           column - First, out);
+          for (std::size_t i = 0; i < out.size(); ++i) out[i] = T(in.value[i]);
+        });
+    return std::apply([&](const auto&... payloads) { return formula_(payloads...); }, tuple);
+  }
+
+  Outcome<> evaluate_value(const Evaluation& evaluation, Output& output) const {
+    auto value = std::apply([&](const auto&... payloads) { return formula_(payloads...); },
+                            double_arguments(evaluation));
+    if (value.is_fault()) return value.fault();
+    if (value.is_pending()) return Pending{};
+    const auto scalars = components(std::as_const(*value));
+    output.estimate.value.assign(scalars.begin(), scalars.end());
+    output.estimate.lineage.reset(rows);
+    copy_labels(*value, output);
+    return check_finite(output);
+  }
+
+  template <std::size_t First>
+  Outcome<> evaluate_linearized(const Evaluation& evaluation, Output& output) const {
+    constexpr std::size_t columns = all_columns - First;
+    Linearization<rows, columns> linear;
+    if constexpr (requires(const OutDouble& value) { exact_jacobian(evaluation, value, {}); }) {
+      auto value = std::apply([&](const auto&... payloads) { return formula_(payloads...); },
+                              double_arguments(evaluation));
+      if (value.is_fault()) return value.fault();
+      if (value.is_pending()) return Pending{};
+      std::array<double, rows * all_columns> jacobian{};
+      exact_jacobian(evaluation, *value, jacobian);
+      std::copy_n(jacobian.begin() + rows * First, rows * columns, linear.jacobian.begin());
+      const auto scalars = components(std::as_const(*value));
+      std::copy_n(scalars.begin(), rows, linear.value.begin());
+      copy_labels(*value, output);
+    } else {
+      const auto value = call_with_duals<First>(evaluation);
+      if (value.is_fault()) return value.fault();
+      if (value.is_pending()) return Pending{};
+      read_linearization<rows, columns>(components(*value), linear);
+      copy_labels(*value, output);
+    }
+    for (const double derivative : linear.jacobian)
+      if (!std::isfinite(derivative))
+        return Fault{FaultKind::not_finite, "the formula has no finite derivative here"};
+    output.estimate.value.assign(linear.value.begin(), linear.value.end());
+    std::array<LineageTerm, Signature::arguments> terms;
+    std::size_t count = 0;
+    std::size_t column = 0;
+    for (std::size_t a = 0; a < Signature::arguments; ++a) {
+      if (column >= First)
+        terms[count++] = {linear.jacobian.data() + rows * (column - First),
+                          &argument(evaluation, a).lineage};
+      column += Signature::dimensions[a];
+    }
+    compose({terms.data(), count}, rows, output.estimate.lineage);
+    return check_finite(output);
+  }
+
+  auto exact_jacobian(const Evaluation& evaluation, const OutDouble& value,
+                      std::span<double> jacobian) const requires requires(const F& f) {
+    &F::jacobian;
+  }
+  {
+    return std::apply(
+        [&](const auto&... payloads) { formula_.jacobian(payloads..., value, jacobian); },
+        double_arguments(evaluation));
+  }
+
+  template <typename Payload>
+  static void copy_labels([[maybe_unused]] const Payload& payload,
+                          [[maybe_unused]] Output& output) {
+    if constexpr (requires { payload.label; })
+      output.estimate.labels.assign(payload.label.begin(), payload.label.end());
+  }
+
+  static Outcome<> check_finite(const Output& output) {
+    for (const double x : output.estimate.value)
+      if (!std::isfinite(x))
+        return Fault{FaultKind::not_finite, "the formula's result is not finite"};
+    return {};
+  }
+
+  F formula_;
+};
+
+/// The type of a function module: see FunctionModule for what F must have.
+template <typename F>
+ModuleType function_type() {
+  using Signature = internal::SignatureOf<F>;
+  ModuleType type;
+  internal::fill_declarations<F>(type);
+  type.kind = ModuleKind::function;
+  type.interface = []([[maybe_unused]] const Settings& settings) {
+    Interface interface;
+    const auto payloads = Signature::descriptors();
+    const std::size_t first = payloads.size() - F::inputs.size();
+    for (std::size_t i = 0; i < F::inputs.size(); ++i)
+      interface.inputs.push_back({std::string(F::inputs[i]), payloads[first + i], {}, false});
+    interface.output = &Signature::output();
+    interface.frame_of_input = 0;
+    if constexpr (requires { &F::set_frames; }) {
+      if constexpr (internal::HasOptions<F>)
+        F::set_frames(interface, internal::options_of<F>(settings));
+      else
+        F::set_frames(interface);
+    }
+    return interface;
+  };
+  type.create = []([[maybe_unused]] const Settings& settings) -> std::unique_ptr<Module> {
+    if constexpr (internal::HasOptions<F>)
+      return std::make_unique<FunctionModule<F>>(F(internal::options_of<F>(settings)));
+    else
+      return std::make_unique<FunctionModule<F>>(F());
+  };
+  return type;
+}
+
+}  // namespace ilss

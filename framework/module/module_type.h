@@ -1,0 +1,141 @@
+// A module's type: what is declared of it once, for the check, the documentation and the schema.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/module/module.h"
+#include "framework/module/parameters.h"
+
+namespace ilss {
+
+/// Sensors acquire, functions are closed formulas, estimators detect, fit or filter.
+enum class ModuleKind { sensor, function, estimator };
+std::string_view kind_name(ModuleKind kind);
+
+/// One input: its payload by name, and the frame it must be in (empty: any).
+struct InputDeclaration {
+  std::string name;
+  const PayloadDescriptor* payload;
+  std::string frame = {};
+  bool repeated = false;  ///< the last input only: one or more of these
+};
+
+/// What a module looks like from outside. The output's frame is `frame`, or that of an input.
+struct Interface {
+  std::vector<InputDeclaration> inputs;
+  const PayloadDescriptor* output = nullptr;
+  std::string frame = {};
+  std::optional<std::size_t> frame_of_input = {};
+};
+
+/// A command that a module follows: its name and its one value, declared like a parameter.
+struct CommandDeclaration {
+  std::string name;
+  ParameterDeclaration value;
+  std::string documentation;
+};
+
+/// A module's settings as read from a graph: its options and where relative paths start.
+struct Settings {
+  std::shared_ptr<const void> options;  ///< the type's Options; null where it has none
+  std::filesystem::path directory;
+};
+
+/// Everything the framework knows of a type of module.
+struct ModuleType {
+  std::string name;
+  ModuleKind kind = ModuleKind::function;
+  std::string description;
+  std::string reference;                          ///< paper and section
+  const PayloadDescriptor* parameters = nullptr;  ///< quantities; never null once registered
+  std::vector<ParameterDeclaration> options;
+  std::vector<FaultKind> faults;
+  std::vector<CommandDeclaration> commands;
+
+  /// The interface under given settings; with default settings for documentation.
+  std::function<Interface(const Settings&)> interface;
+  std::function<std::shared_ptr<const void>(const Node* map, const std::filesystem::path& directory,
+                                            Diagnostics&, Position fallback)>
+      read_options;
+  std::function<std::unique_ptr<Module>(const Settings&)> create;
+
+  /// All parameters as users see them.
+  std::vector<ParameterDeclaration> declarations() const;
+};
+
+/// A payload without components, for modules without quantities.
+const PayloadDescriptor& no_parameters();
+
+namespace internal {
+
+template <typename M>
+concept HasParameters = requires {
+  typename M::template Parameters<double>;
+};
+template <typename M>
+concept HasOptions = requires {
+  typename M::Options;
+};
+
+/// Fills in what functions, sensors and estimators declare alike as static members of M: `name`,
+/// `description`, `reference`, `faults`, `commands()`, Parameters and Options.
+template <typename M>
+void fill_declarations(ModuleType& type) {
+  type.name = M::name;
+  type.description = M::description;
+  if constexpr (requires { M::reference; }) type.reference = M::reference;
+  if constexpr (requires { M::faults; }) type.faults.assign(M::faults.begin(), M::faults.end());
+  if constexpr (requires { M::commands(); }) type.commands = M::commands();
+  if constexpr (HasParameters<M>)
+    type.parameters = &descriptor<M::template Parameters>();
+  else
+    type.parameters = &no_parameters();
+  if constexpr (HasOptions<M>) {
+    type.options = declare_options<typename M::Options>();
+    type.read_options = [](const Node* map, const std::filesystem::path& directory,
+                           Diagnostics& diagnostics, Position fallback) {
+      return std::shared_ptr<const void>(std::make_shared<const typename M::Options>(
+          ilss::read_options<typename M::Options>(map, directory, diagnostics, fallback)));
+    };
+  }
+}
+
+/// The options in `settings`, or their defaults.
+template <typename M>
+typename M::Options options_of(const Settings& settings) {
+  if (settings.options == nullptr) return {};
+  return *static_cast<const typename M::Options*>(settings.options.get());
+}
+
+}  // namespace internal
+
+/// The type of a sensor or estimator: a class M derived from Module with static `name`,
+/// `description`, `kind` and `Interface interface()` (or `interface(const Options&)`), optionally
+/// `reference`, `faults`, `commands()`, `template <typename T> struct Parameters` and
+/// `struct Options`; constructed from its Options where it has them.
+template <typename M>
+requires std::derived_from<M, Module> ModuleType module_type() {
+  ModuleType type;
+  internal::fill_declarations<M>(type);
+  type.kind = M::kind;
+  type.interface = []([[maybe_unused]] const Settings& settings) {
+    if constexpr (requires { M::interface(); })
+      return M::interface();
+    else
+      return M::interface(internal::options_of<M>(settings));
+  };
+  type.create = []([[maybe_unused]] const Settings& settings) -> std::unique_ptr<Module> {
+    if constexpr (internal::HasOptions<M>)
+      return std::make_unique<M>(internal::options_of<M>(settings));
+    else
+      return std::make_unique<M>();
+  };
+  return type;
+}
+
+}  // namespace ilss
