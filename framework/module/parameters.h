@@ -63,6 +63,14 @@ concept Choice = std::is_enum_v<T> && requires(T value) {
   choices(value).size();
 };
 
+/// An option that names another YAML file of declared structure, such as a scene; the file is read
+/// and checked with the graph, its errors reported at their own positions.
+template <typename T>
+struct FileOf {
+  std::filesystem::path path = {};
+  T content = {};
+};
+
 /// Visits a module's options, either to declare them or to read them.
 class OptionVisitor {
  public:
@@ -104,6 +112,10 @@ class OptionVisitor {
   Position fallback_ = {};
 };
 
+/// Reads a YAML file whose top level is a declared struct.
+template <typename T>
+T read_options_file(const std::filesystem::path& path, Diagnostics& diagnostics);
+
 namespace internal {
 template <typename T>
 struct OptionalOf : std::false_type {};
@@ -113,6 +125,10 @@ template <typename T>
 struct VectorOf : std::false_type {};
 template <typename T>
 struct VectorOf<std::vector<T>> : std::true_type {};
+template <typename T>
+struct IsFileOf : std::false_type {};
+template <typename T>
+struct IsFileOf<FileOf<T>> : std::true_type {};
 std::string format_number(double value);
 }  // namespace internal
 
@@ -161,6 +177,8 @@ ParameterDeclaration OptionVisitor::declare(std::string_view name, const T& valu
   } else if constexpr (std::is_same_v<T, std::filesystem::path>) {
     d.kind = Kind::path;
     d.default_text = value.string();
+  } else if constexpr (internal::IsFileOf<T>::value) {
+    d.kind = Kind::path;
   } else if constexpr (Choice<T>) {
     d.kind = Kind::choice;
     for (const auto& choice : choices(value)) d.choices.emplace_back(choice);
@@ -203,6 +221,10 @@ void OptionVisitor::read(const Node& node, T& value, const OptionAttributes& att
     std::vector<std::string> names;
     for (const auto& choice : choices(value)) names.emplace_back(choice);
     if (const auto index = read_choice(node, names)) value = static_cast<T>(*index);
+  } else if constexpr (internal::IsFileOf<T>::value) {
+    read_scalar(node, value.path);
+    if (node.is_scalar())
+      value.content = read_options_file<decltype(value.content)>(value.path, *diagnostics_);
   } else if constexpr (requires { value.declare(*this); }) {
     if (!node.is_map()) return complain(node, "expected a map, got " + node.description());
     OptionVisitor visitor(&node, *directory_, *diagnostics_, node.position);
@@ -230,6 +252,19 @@ Options read_options(const Node* map, const std::filesystem::path& directory,
   OptionVisitor visitor(map, directory, diagnostics, fallback);
   options.declare(visitor);
   return options;
+}
+
+template <typename T>
+T read_options_file(const std::filesystem::path& path, Diagnostics& diagnostics) {
+  const std::size_t errors = diagnostics.size();
+  const Node root = read_document(path, diagnostics);
+  if (diagnostics.size() != errors) return {};
+  if (!root.is_map()) {
+    diagnostics.add(root.position, "expected a map, got " + root.description());
+    return {};
+  }
+  check_keys(root, declare_options<T>(), path.filename().string(), diagnostics);
+  return read_options<T>(&root, path.parent_path(), diagnostics, root.position);
 }
 
 }  // namespace ilss

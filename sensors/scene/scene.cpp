@@ -1,0 +1,57 @@
+#include "sensors/scene/scene.h"
+
+#include <cmath>
+
+namespace ilss {
+
+void ScenePoint::declare(OptionVisitor& visit) {
+  visit("x", x, "forward of the world's origin", {.unit = "m"});
+  visit("z", z, "to the right of the world's origin", {.unit = "m"});
+}
+
+void WallTarget::declare(OptionVisitor& visit) {
+  visit("along", along, "where the first stripe is centred, from the wall's first end",
+        {.unit = "m"});
+  visit("height", height, "of the horizontal line's centre above the optical axis", {.unit = "m"});
+  visit("line_thickness", line_thickness, "of the horizontal line", {.unit = "m", .minimum = 0});
+  visit("line_length", line_length, "of the horizontal line, centred on the stripes",
+        {.unit = "m", .minimum = 0});
+  visit("stripe_count", stripe_count, "number of vertical stripes",
+        {.minimum = 0, .maximum = 1000});
+  visit("stripe_spacing", stripe_spacing, "from centre to centre", {.unit = "m", .minimum = 0});
+  visit("stripe_width", stripe_width, "of each stripe", {.unit = "m", .minimum = 0});
+  visit("stripe_bottom", stripe_bottom, "lower end of the stripes", {.unit = "m"});
+  visit("stripe_top", stripe_top, "upper end of the stripes", {.unit = "m"});
+  visit("reflectivity", reflectivity, "of line and stripes", {.minimum = 0, .maximum = 1});
+}
+
+void Wall::declare(OptionVisitor& visit) {
+  visit("from", from, "the wall's first end", {.required = true});
+  visit("to", to, "the wall's other end", {.required = true});
+  visit("reflectivity", reflectivity, "share of the light that comes back",
+        {.minimum = 0, .maximum = 1});
+  visit("targets", targets, "camera targets on the wall");
+  visit.require(std::hypot(to.x - from.x, to.z - from.z) > 0, "a wall needs two different ends");
+}
+
+void Scene::declare(OptionVisitor& visit) {
+  visit("scene", description, "what the scene shows");
+  visit("walls", walls, "the walls", {.required = true});
+}
+
+ScenePose compose_poses(const ScenePose& base, const ScenePose& mount) {
+  const double c = std::cos(base.heading);
+  const double s = std::sin(base.heading);
+  return {base.x + c * mount.x - s * mount.z, base.z + s * mount.x + c * mount.z,
+          base.heading + mount.heading};
+}
+
+ScenePoint to_frame(const ScenePose& pose, const ScenePoint& point) {
+  const double c = std::cos(pose.heading);
+  const double s = std::sin(pose.heading);
+  const double dx = point.x - pose.x;
+  const double dz = point.z - pose.z;
+  return {c * dx + s * dz, -s * dx + c * dz};
+}
+
+}  // namespace ilss
