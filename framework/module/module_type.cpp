@@ -19,10 +19,4 @@ const PayloadDescriptor& no_parameters() {
   return none;
 }
 
-std::vector<ParameterDeclaration> ModuleType::declarations() const {
-  std::vector<ParameterDeclaration> result = quantity_declarations(*parameters);
-  merge_declarations(result, options);
-  return result;
-}
-
 }  // namespace ilss

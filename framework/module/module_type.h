@@ -54,6 +54,7 @@ struct ModuleType {
   std::string reference;                          ///< paper and section
   const PayloadDescriptor* parameters = nullptr;  ///< quantities; never null once registered
   std::vector<ParameterDeclaration> options;
+  std::vector<ParameterDeclaration> declarations;  ///< quantities and options; set by the registry
   std::vector<FaultKind> faults;
   std::vector<CommandDeclaration> commands;
 
@@ -63,9 +64,6 @@ struct ModuleType {
                                             Diagnostics&, Position fallback)>
       read_options;
   std::function<std::unique_ptr<Module>(const Settings&)> create;
-
-  /// All parameters as users see them.
-  std::vector<ParameterDeclaration> declarations() const;
 };
 
 /// A payload without components, for modules without quantities.

@@ -13,6 +13,8 @@ void Registry::add(ModuleType type) {
   const Interface interface = type.interface(Settings{});
   for (const InputDeclaration& input : interface.inputs) add_payload(*input.payload);
   add_payload(*interface.output);
+  type.declarations = quantity_declarations(*type.parameters);
+  merge_declarations(type.declarations, type.options);
   std::string name = type.name;
   types_.emplace(std::move(name), std::make_unique<ModuleType>(std::move(type)));
 }

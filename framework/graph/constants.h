@@ -1,0 +1,40 @@
+// A graph's constants: named values of limited accuracy. One name is one source of error.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/graph/value_reader.h"
+
+namespace ilss {
+
+/// One number of a constant, with its error as columns of the constant's owner, in its unit.
+struct ConstantElement {
+  WrittenQuantity quantity;
+  std::uint32_t owner = 0;
+  std::vector<double> factor = {};  ///< sensitivity to columns 0, 1, ... of the owner
+};
+
+/// The constants of one graph by name; elements of vectors are "name.element".
+class Constants {
+ public:
+  /// Reads the map under `constants:`; new owners go to `owners` as `prefix + name`. A constant may
+  /// refer to one of `outer` ("$name"), and then is the same source.
+  void read(const Node& map, const std::string& prefix, const std::filesystem::path& directory,
+            const Constants* outer, SourceOwners& owners, Diagnostics& diagnostics);
+
+  const ConstantElement* find(std::string_view name) const;
+  /// Complains that there is no constant of that name, with a suggestion.
+  void report_unknown(const Node& reference, Diagnostics& diagnostics) const;
+
+ private:
+  void read_vector(const std::string& name, const Node& map, const std::string& prefix,
+                   SourceOwners& owners, Diagnostics& diagnostics);
+
+  std::map<std::string, ConstantElement, std::less<>> elements_;
+};
+
+}  // namespace ilss

@@ -1,0 +1,75 @@
+// The plan: a graph after every check has passed, immutable and in evaluation order.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/module/registry.h"
+
+namespace ilss {
+
+/// How long a module takes (s): as declared, or as profiled.
+struct ModuleTime {
+  double typical = 0;
+  double worst = 0;
+};
+
+/// A connection: which node's output, and how old a held value may be (s).
+struct PlanInput {
+  std::size_t node = 0;
+  std::optional<double> max_age = {};
+};
+
+/// One module instance. Sources that it makes carry its index as owner.
+struct PlanNode {
+  std::string name;  ///< with the systems it stands in: "vision.camera"
+  const ModuleType* type = nullptr;
+  Settings settings = {};
+  Interface interface = {};
+  Estimate parameters = {};  ///< quantities, with the persistent sources of their errors
+  std::vector<PlanInput> inputs = {};
+  std::string frame = {};  ///< of the output
+  std::optional<ModuleTime> time = {};
+  Position position = {};
+};
+
+/// Nodes in evaluation order: a node's inputs come before it.
+struct Plan {
+  std::string name;
+  std::string description;
+  std::vector<PlanNode> nodes;
+  std::vector<std::size_t> outputs;  ///< nodes whose outputs are the system's, in order
+  SourceOwners owners;               ///< the nodes first, then constants and parameters
+
+  std::optional<std::size_t> find(std::string_view node) const {
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      if (nodes[i].name == node) return i;
+    return std::nullopt;
+  }
+};
+
+/// A value to set instead of what a graph's file says: `path` is `MODULE.PARAMETER` (deeper names
+/// for groups and nested systems), or `constants.NAME`.
+struct Override {
+  std::string path;
+  Node value;
+  Position position = {};
+};
+
+/// Reads "PATH=VALUE" as users write it on a command line; `origin` is what to call it in messages.
+std::optional<Override> parse_override(const std::string& text, const std::string& origin,
+                                       Diagnostics& diagnostics);
+
+/// Reads a graph file into a plan. Everything that is wrong goes to `diagnostics`, all in one go;
+/// no module's code runs. Nothing is returned if anything is wrong.
+std::optional<Plan> read_plan(const std::filesystem::path& file, const Registry& registry,
+                              const std::vector<Override>& overrides, Diagnostics& diagnostics);
+
+/// As above from a graph that stands inside another document; relative paths start at `directory`.
+std::optional<Plan> build_plan(const Node& graph, const std::filesystem::path& directory,
+                               const Registry& registry, const std::vector<Override>& overrides,
+                               Diagnostics& diagnostics);
+
+}  // namespace ilss

@@ -1,0 +1,664 @@
+// From a graph's document to a plan: modules and their parameters, wiring, order, type checks.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <queue>
+#include <unordered_map>
+
+#include "framework/estimate/units.h"
+#include "framework/graph/constants.h"
+#include "framework/graph/expression.h"
+#include "framework/graph/plan.h"
+
+namespace ilss {
+namespace {
+
+/// An override on its way down to the scope it belongs to. `$names` in it mean the constants of the
+/// graph that states it.
+struct PlacedOverride {
+  std::vector<std::string> path;
+  const Override* origin;
+  const Constants* constants;
+};
+
+std::vector<std::string> split_path(std::string_view text) {
+  std::vector<std::string> parts;
+  while (true) {
+    const std::size_t dot = text.find('.');
+    parts.emplace_back(text.substr(0, dot));
+    if (dot == std::string_view::npos) return parts;
+    text.remove_prefix(dot + 1);
+  }
+}
+
+/// Puts `value` at `path` below `map`, making maps on the way.
+void set_value(Node& map, std::span<const std::string> path, const Node& value) {
+  if (!map.is_map()) map = Node{Node::Kind::map, value.position};
+  for (std::size_t i = 0; i < map.keys.size(); ++i) {
+    if (map.keys[i].text != path.front()) continue;
+    if (path.size() == 1)
+      map.values[i] = value;
+    else
+      set_value(map.values[i], path.subspan(1), value);
+    return;
+  }
+  map.keys.push_back({Node::Kind::scalar, value.position, false, path.front()});
+  map.values.emplace_back(path.size() == 1 ? value : Node{Node::Kind::map, value.position});
+  if (path.size() > 1) set_value(map.values.back(), path.subspan(1), value);
+}
+
+/// What a name in a network stands for: one node, or the outputs of a nested system.
+struct Instance {
+  std::vector<std::size_t> outputs;  ///< nodes
+  bool nested = false;
+  bool used = false;
+  Position position = {};
+};
+
+class PlanBuilder {
+ public:
+  PlanBuilder(const Registry& registry, Diagnostics& diagnostics)
+      : registry_(registry), diagnostics_(diagnostics) {}
+
+  std::optional<Plan> build(const Node& graph, const std::filesystem::path& directory,
+                            const std::vector<Override>& overrides) {
+    const std::size_t errors = diagnostics_.size();
+    std::vector<PlacedOverride> placed;
+    for (const Override& o : overrides) placed.push_back({split_path(o.path), &o, nullptr});
+    std::vector<std::size_t> outputs = read_system(graph, "", directory, placed);
+    if (diagnostics_.size() == errors) check_connected();
+    std::vector<std::size_t> order = evaluation_order();
+    if (order.size() == nodes_.size()) check_connections(order);
+    if (diagnostics_.size() != errors) return std::nullopt;
+    return finish(graph, order, outputs);
+  }
+
+ private:
+  using Scope = std::map<std::string, Instance, std::less<>>;
+
+  std::vector<std::size_t> read_system(const Node& graph, const std::string& prefix,
+                                       const std::filesystem::path& directory,
+                                       const std::vector<PlacedOverride>& overrides);
+  void read_constants(const Node* constants_node, const std::string& prefix,
+                      const std::filesystem::path& directory,
+                      const std::vector<PlacedOverride>& overrides, Constants& constants);
+  Instance read_module(const Node& key, Node module, const std::string& prefix,
+                       const std::filesystem::path& directory, const Constants& constants,
+                       const std::vector<PlacedOverride>& overrides);
+  Instance read_nested(const Node& key, const Node& module, const std::string& prefix,
+                       const std::filesystem::path& directory, const Constants& constants,
+                       const std::vector<PlacedOverride>& overrides);
+  void read_parameters(const Node& module, const Constants& constants,
+                       const std::map<std::string, const Constants*>& override_constants,
+                       PlanNode& node);
+  void read_parameter(const Node& value, std::size_t component, const Constants& constants,
+                      PlanNode& node);
+  std::optional<ModuleTime> read_time(const Node& node);
+  std::vector<PlanInput> wire(const Expression& expression, const std::vector<PlanInput>& feed,
+                              Scope& scope);
+  std::vector<PlanInput> wire_name(const Expression& expression, const std::vector<PlanInput>& feed,
+                                   Scope& scope);
+  void check_connected();
+  std::vector<std::size_t> evaluation_order();
+  void check_connections(const std::vector<std::size_t>& order);
+  std::optional<Plan> finish(const Node& graph, const std::vector<std::size_t>& order,
+                             const std::vector<std::size_t>& outputs);
+
+  const Registry& registry_;
+  Diagnostics& diagnostics_;
+  std::vector<PlanNode> nodes_;
+  std::vector<Position> connected_at_;  ///< of each node; line 0 while it is not
+  SourceOwners owners_;  ///< of constants and parameters; node owners come first later
+  std::vector<std::filesystem::path> open_files_;
+};
+
+std::vector<std::size_t> PlanBuilder::read_system(const Node& graph, const std::string& prefix,
+                                                  const std::filesystem::path& directory,
+                                                  const std::vector<PlacedOverride>& overrides) {
+  static const std::vector<std::string> known = {"ilss", "description", "constants", "modules",
+                                                 "network"};
+  static const std::vector<std::string> later = {"commands", "tests",  "monitors",
+                                                 "taps",     "policy", "alternates"};
+  if (!graph.is_map()) {
+    diagnostics_.add(graph.position,
+                     "expected a graph: a map with the keys ilss, modules and "
+                     "network, got " +
+                         graph.description());
+    return {};
+  }
+  for (const Node& key : graph.keys) {
+    if (std::find(known.begin(), known.end(), key.text) != known.end()) continue;
+    if (std::find(later.begin(), later.end(), key.text) != later.end())
+      diagnostics_.add(key.position,
+                       fmt::format("'{}' is not available in this version", key.text));
+    else
+      diagnostics_.add(key.position, fmt::format("a graph has no key '{}'{}", key.text,
+                                                 suggestion(key.text, known)));
+  }
+  for (const char* text_key : {"ilss", "description"}) {
+    const Node* text = graph.find(text_key);
+    if (text != nullptr && !text->is_scalar())
+      diagnostics_.add(text->position, fmt::format("expected a text, got {}", text->description()));
+  }
+  // The constants outlive the scope: parameters of nested systems may refer to them.
+  Constants constants;
+  read_constants(graph.find("constants"), prefix, directory, overrides, constants);
+
+  Scope scope;
+  const Node* modules = graph.find("modules");
+  if (modules == nullptr || !modules->is_map()) {
+    diagnostics_.add(modules == nullptr ? graph.position : modules->position,
+                     "a graph needs modules: a map of names to modules");
+    return {};
+  }
+  for (const PlacedOverride& o : overrides)
+    if (o.path.front() != "constants" && modules->find(o.path.front()) == nullptr) {
+      std::vector<std::string> names = {"constants"};
+      for (const Node& key : modules->keys) names.push_back(key.text);
+      diagnostics_.add(o.origin->position,
+                       fmt::format("there is no module '{}{}'{}", prefix, o.path.front(),
+                                   suggestion(o.path.front(), names)));
+    }
+  for (std::size_t i = 0; i < modules->size(); ++i) {
+    const Node& key = modules->keys[i];
+    if (key.text.empty() || key.text == "constants" ||
+        key.text.find_first_of(". /$") != std::string::npos)
+      diagnostics_.add(key.position, fmt::format("'{}' cannot name a module: names have no dots, "
+                                                 "spaces, slashes or $",
+                                                 key.text));
+    std::vector<PlacedOverride> below;
+    for (const PlacedOverride& o : overrides) {
+      if (o.path.front() != key.text) continue;
+      if (o.path.size() == 1)
+        diagnostics_.add(o.origin->position, fmt::format("'{}' names a module; expected "
+                                                         "MODULE.PARAMETER",
+                                                         o.origin->path));
+      else
+        below.push_back({{o.path.begin() + 1, o.path.end()}, o.origin, o.constants});
+    }
+    scope[key.text] = read_module(key, modules->values[i], prefix, directory, constants, below);
+  }
+
+  const Node* network = graph.find("network");
+  if (network == nullptr) {
+    diagnostics_.add(graph.position,
+                     "a graph needs a network: a module's name, serial: [...] or "
+                     "combine: [...]");
+    return {};
+  }
+  std::vector<std::size_t> outputs;
+  const Expression expression = read_expression(*network, diagnostics_);
+  for (const PlanInput& output : wire(expression, {}, scope)) outputs.push_back(output.node);
+  for (const auto& [name, instance] : scope)
+    if (!instance.used)
+      diagnostics_.add(instance.position,
+                       fmt::format("module '{}' is not used in the network", name));
+  return outputs;
+}
+
+void PlanBuilder::read_constants(const Node* constants_node, const std::string& prefix,
+                                 const std::filesystem::path& directory,
+                                 const std::vector<PlacedOverride>& overrides,
+                                 Constants& constants) {
+  if (constants_node != nullptr && !constants_node->is_map()) {
+    diagnostics_.add(constants_node->position,
+                     "expected a map of names to values, got " + constants_node->description());
+    return;
+  }
+  Node map = constants_node != nullptr ? *constants_node : Node{Node::Kind::map};
+  std::map<std::string, const Constants*> outer_of;
+  for (const PlacedOverride& o : overrides) {
+    if (o.path.front() != "constants") continue;
+    const std::span<const std::string> path = std::span(o.path).subspan(1);
+    if (path.size() != 1 || map.find(path.front()) == nullptr) {
+      std::vector<std::string> names;
+      for (const Node& key : map.keys) names.push_back(key.text);
+      const std::string name = path.empty() ? "" : path.front();
+      diagnostics_.add(o.origin->position, fmt::format("there is no constant '{}{}'{}", prefix,
+                                                       name, suggestion(name, names)));
+      continue;
+    }
+    set_value(map, path, o.origin->value);
+    outer_of[path.front()] = o.constants;
+  }
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    Node one{Node::Kind::map, map.position};
+    one.keys = {map.keys[i]};
+    one.values = {map.values[i]};
+    const auto outer = outer_of.find(map.keys[i].text);
+    constants.read(one, prefix, directory, outer == outer_of.end() ? nullptr : outer->second,
+                   owners_, diagnostics_);
+  }
+}
+
+Instance PlanBuilder::read_module(const Node& key, Node module, const std::string& prefix,
+                                  const std::filesystem::path& directory,
+                                  const Constants& constants,
+                                  const std::vector<PlacedOverride>& overrides) {
+  Instance instance;
+  instance.position = key.position;
+  const Node* type_node = module.is_map() ? module.find("type") : nullptr;
+  if (type_node == nullptr) {
+    diagnostics_.add(module.is_null() ? key.position : module.position,
+                     fmt::format("module '{}' needs a type", key.text));
+    return instance;
+  }
+  if (type_node->is_map()) return read_nested(key, module, prefix, directory, constants, overrides);
+  const ModuleType* type = type_node->is_scalar() ? registry_.find(type_node->text) : nullptr;
+  if (type == nullptr) {
+    diagnostics_.add(type_node->position,
+                     fmt::format("unknown module type {}{}", type_node->description(),
+                                 suggestion(type_node->text, registry_.names())));
+    return instance;
+  }
+  std::map<std::string, const Constants*> override_constants;
+  for (const PlacedOverride& o : overrides) {
+    if (o.path.front() == "type") {
+      diagnostics_.add(o.origin->position, "a module's type cannot be set");
+      continue;
+    }
+    set_value(module, o.path, o.origin->value);
+    override_constants[fmt::format("{}", fmt::join(o.path, "."))] = o.constants;
+  }
+  const std::size_t index = nodes_.size();
+  PlanNode& node = nodes_.emplace_back();
+  connected_at_.emplace_back();
+  node.name = prefix + key.text;
+  node.type = type;
+  node.position = key.position;
+  node.settings.directory = directory;
+  if (const Node* time = module.find("time")) node.time = read_time(*time);
+  // `type` and `time` belong to every module; the rest is the type's own.
+  for (const char* own : {"type", "time"}) {
+    const auto found = std::find_if(module.keys.begin(), module.keys.end(),
+                                    [&](const Node& k) { return k.text == own; });
+    if (found == module.keys.end()) continue;
+    module.values.erase(module.values.begin() + (found - module.keys.begin()));
+    module.keys.erase(found);
+  }
+  module.position = key.position;
+  check_keys(module, type->declarations, type->name, diagnostics_);
+  if (type->read_options)
+    node.settings.options = type->read_options(&module, directory, diagnostics_, key.position);
+  read_parameters(module, constants, override_constants, node);
+  node.interface = type->interface(node.settings);
+  instance.outputs = {index};
+  return instance;
+}
+
+Instance PlanBuilder::read_nested(const Node& key, const Node& module, const std::string& prefix,
+                                  const std::filesystem::path& directory,
+                                  const Constants& constants,
+                                  const std::vector<PlacedOverride>& overrides) {
+  Instance instance;
+  instance.nested = true;
+  instance.position = key.position;
+  const Node& type = *module.find("type");
+  const Node* file = type.find("ilss");
+  if (file == nullptr || !file->is_scalar() || type.size() != 1) {
+    diagnostics_.add(type.position, "expected a type's name or {ilss: FILE}");
+    return instance;
+  }
+  std::vector<Override> own;
+  for (std::size_t i = 0; i < module.size(); ++i) {
+    const Node& k = module.keys[i];
+    if (k.text == "type") continue;
+    if (k.text != "set" || !module.values[i].is_map()) {
+      diagnostics_.add(k.position, "a nested system has a type and set: {MODULE.PARAMETER: VALUE}");
+      continue;
+    }
+    const Node& set = module.values[i];
+    for (std::size_t j = 0; j < set.size(); ++j)
+      own.push_back({set.keys[j].text, set.values[j], set.keys[j].position});
+  }
+  std::vector<PlacedOverride> below;
+  for (const Override& o : own) below.push_back({split_path(o.path), &o, &constants});
+  below.insert(below.end(), overrides.begin(), overrides.end());
+
+  const std::filesystem::path path = directory / file->text;
+  std::error_code ignored;
+  const std::filesystem::path canonical = std::filesystem::weakly_canonical(path, ignored);
+  constexpr std::size_t deepest_nesting = 32;
+  if (std::find(open_files_.begin(), open_files_.end(), canonical) != open_files_.end() ||
+      open_files_.size() >= deepest_nesting) {
+    diagnostics_.add(file->position, fmt::format("'{}' contains itself", file->text));
+    return instance;
+  }
+  const std::size_t errors = diagnostics_.size();
+  const Node graph = read_document(path, diagnostics_);
+  if (diagnostics_.size() != errors && graph.is_null()) {
+    diagnostics_.add(file->position,
+                     fmt::format("the nested system '{}' cannot be read", file->text));
+    return instance;
+  }
+  open_files_.push_back(canonical);
+  instance.outputs = read_system(graph, prefix + key.text + ".", path.parent_path(), below);
+  open_files_.pop_back();
+  return instance;
+}
+
+std::optional<ModuleTime> PlanBuilder::read_time(const Node& node) {
+  const auto read = [&](const Node& value) -> std::optional<double> {
+    const auto seconds =
+        value.is_scalar()
+            ? parse_quantity(value.text, "s")
+            : std::variant<double, std::string>("expected a time (s), got " + value.description());
+    if (const auto* error = std::get_if<std::string>(&seconds)) {
+      diagnostics_.add(value.position, *error);
+      return std::nullopt;
+    }
+    if (std::get<double>(seconds) < 0) {
+      diagnostics_.add(value.position, "a time cannot be negative");
+      return std::nullopt;
+    }
+    return std::get<double>(seconds);
+  };
+  if (node.is_scalar()) {
+    const auto seconds = read(node);
+    if (!seconds) return std::nullopt;
+    return ModuleTime{*seconds, *seconds};
+  }
+  const Node* typical = node.is_map() ? node.find("typical") : nullptr;
+  const Node* worst = node.is_map() ? node.find("worst") : nullptr;
+  if (typical == nullptr || worst == nullptr || node.size() != 2) {
+    diagnostics_.add(node.position, "expected a time, or {typical: TIME, worst: TIME}");
+    return std::nullopt;
+  }
+  const auto a = read(*typical);
+  const auto b = read(*worst);
+  if (!a || !b) return std::nullopt;
+  if (*b < *a) diagnostics_.add(worst->position, "the worst time is shorter than the typical one");
+  return ModuleTime{*a, *b};
+}
+
+void PlanBuilder::read_parameters(const Node& module, const Constants& constants,
+                                  const std::map<std::string, const Constants*>& override_constants,
+                                  PlanNode& node) {
+  const PayloadDescriptor& parameters = *node.type->parameters;
+  node.parameters = Estimate(parameters);
+  for (std::size_t i = 0; i < parameters.dimension(); ++i) {
+    const Component& component = parameters.components[i];
+    const Node* value = &module;
+    for (std::string_view rest = component.name; value != nullptr;) {
+      const std::size_t dot = rest.find('.');
+      value = value->is_map() ? value->find(rest.substr(0, dot)) : nullptr;
+      if (dot == std::string_view::npos) break;
+      rest.remove_prefix(dot + 1);
+    }
+    if (value == nullptr || value->is_null()) {
+      if (!component.default_value)
+        diagnostics_.add(module.position,
+                         fmt::format("missing parameter '{}' of {}, {}", component.name,
+                                     node.type->name, dimension_name(component.unit)));
+      continue;
+    }
+    const auto overridden = override_constants.find(component.name);
+    const Constants* names = overridden != override_constants.end() && overridden->second != nullptr
+                                 ? overridden->second
+                                 : &constants;
+    read_parameter(*value, i, *names, node);
+  }
+}
+
+void PlanBuilder::read_parameter(const Node& value, std::size_t component,
+                                 const Constants& constants, PlanNode& node) {
+  const Component& declared = node.type->parameters->components[component];
+  const auto store = [&](const WrittenQuantity& quantity) -> std::optional<SiQuantity> {
+    const auto si = to_si(quantity, declared.unit, diagnostics_);
+    if (si)
+      node.parameters.value[component] = declared.circular ? wrap_angle(si->value) : si->value;
+    return si;
+  };
+  if (value.is_scalar() && value.text.starts_with('$')) {
+    const ConstantElement* constant = constants.find(value.text.substr(1));
+    if (constant == nullptr) return constants.report_unknown(value, diagnostics_);
+    WrittenQuantity quantity = constant->quantity;
+    quantity.position = value.position;
+    const auto si = store(quantity);
+    if (!si) return;
+    for (std::size_t k = 0; k < constant->factor.size(); ++k)
+      if (constant->factor[k] != 0)
+        node.parameters.lineage.add(
+            {constant->owner, static_cast<std::uint32_t>(k), persistent_tick}, component,
+            si->scale * constant->factor[k]);
+    return;
+  }
+  const auto quantity = read_quantity(value, diagnostics_);
+  if (!quantity) return;
+  const auto si = store(*quantity);
+  if (!si || !quantity->standard_deviation || *quantity->standard_deviation == 0) return;
+  const auto owner = static_cast<std::uint32_t>(owners_.size());
+  owners_.push_back({node.name + "." + declared.name, true});
+  node.parameters.lineage.add({owner, 0, persistent_tick}, component,
+                              si->scale * *quantity->standard_deviation);
+}
+
+std::vector<PlanInput> PlanBuilder::wire(const Expression& expression,
+                                         const std::vector<PlanInput>& feed, Scope& scope) {
+  switch (expression.kind) {
+    case Expression::Kind::name:
+      return expression.name.empty() ? std::vector<PlanInput>{}
+                                     : wire_name(expression, feed, scope);
+    case Expression::Kind::serial: {
+      std::vector<PlanInput> flow = feed;
+      for (const Expression& part : expression.parts) flow = wire(part, flow, scope);
+      return flow;
+    }
+    case Expression::Kind::combine: {
+      std::vector<PlanInput> side_by_side;
+      for (const Expression& part : expression.parts)
+        for (PlanInput output : wire(part, feed, scope)) {
+          if (expression.max_age)
+            output.max_age = output.max_age ? std::min(*output.max_age, *expression.max_age)
+                                            : *expression.max_age;
+          side_by_side.push_back(output);
+        }
+      return side_by_side;
+    }
+  }
+  return {};
+}
+
+std::vector<PlanInput> PlanBuilder::wire_name(const Expression& expression,
+                                              const std::vector<PlanInput>& feed, Scope& scope) {
+  const auto found = scope.find(expression.name);
+  if (found == scope.end()) {
+    std::vector<std::string> names;
+    for (const auto& [name, instance] : scope) names.push_back(name);
+    diagnostics_.add(expression.position, fmt::format("there is no module '{}'{}", expression.name,
+                                                      suggestion(expression.name, names)));
+    return {};
+  }
+  Instance& instance = found->second;
+  instance.used = true;
+  std::vector<PlanInput> outputs;
+  for (const std::size_t node : instance.outputs) outputs.push_back({node});
+  if (feed.empty() || instance.outputs.empty()) return outputs;
+  if (instance.nested) {
+    diagnostics_.add(expression.position,
+                     fmt::format("'{}' is a system without inputs and cannot stand after another "
+                                 "module",
+                                 expression.name));
+    return outputs;
+  }
+  const std::size_t index = instance.outputs.front();
+  PlanNode& node = nodes_[index];
+  Position& connected_at = connected_at_[index];
+  if (connected_at.line != 0) {
+    const bool same = std::equal(node.inputs.begin(), node.inputs.end(), feed.begin(), feed.end(),
+                                 [](const PlanInput& a, const PlanInput& b) {
+                                   return a.node == b.node && a.max_age == b.max_age;
+                                 });
+    if (!same)
+      diagnostics_.add(expression.position,
+                       fmt::format("'{}' has its inputs already from line {}; an instance is "
+                                   "evaluated once a tick",
+                                   expression.name, connected_at.line));
+    return outputs;
+  }
+  connected_at = expression.position;
+  node.inputs = feed;
+  return outputs;
+}
+
+void PlanBuilder::check_connected() {
+  for (const PlanNode& node : nodes_) {
+    if (!node.inputs.empty() || node.interface.inputs.empty()) continue;
+    std::vector<std::string> names;
+    for (const InputDeclaration& input : node.interface.inputs)
+      names.push_back(fmt::format("{} ({})", input.name, input.payload->name));
+    diagnostics_.add(node.position, fmt::format("'{}' has unconnected inputs: {}", node.name,
+                                                fmt::join(names, ", ")));
+  }
+}
+
+std::vector<std::size_t> PlanBuilder::evaluation_order() {
+  // Kahn's algorithm; ready nodes are taken in the order of their declaration.
+  std::vector<std::size_t> waiting_for(nodes_.size(), 0);
+  std::vector<std::vector<std::size_t>> consumers(nodes_.size());
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    waiting_for[i] = nodes_[i].inputs.size();
+    for (const PlanInput& input : nodes_[i].inputs) consumers[input.node].push_back(i);
+  }
+  std::priority_queue<std::size_t, std::vector<std::size_t>, std::greater<>> ready;
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    if (waiting_for[i] == 0) ready.push(i);
+  std::vector<std::size_t> order;
+  while (!ready.empty()) {
+    const std::size_t node = ready.top();
+    ready.pop();
+    order.push_back(node);
+    for (const std::size_t consumer : consumers[node])
+      if (--waiting_for[consumer] == 0) ready.push(consumer);
+  }
+  if (order.size() == nodes_.size()) return order;
+  // Walking back along nodes that still wait ends in the cycle.
+  std::size_t at = 0;
+  while (waiting_for[at] == 0) ++at;
+  std::vector<std::size_t> path;
+  while (std::find(path.begin(), path.end(), at) == path.end()) {
+    path.push_back(at);
+    for (const PlanInput& input : nodes_[at].inputs)
+      if (waiting_for[input.node] != 0) {
+        at = input.node;
+        break;
+      }
+  }
+  std::vector<std::string> names = {nodes_[at].name};
+  for (std::size_t i = path.size(); i-- > 0;) {
+    names.push_back(nodes_[path[i]].name);
+    if (path[i] == at) break;
+  }
+  diagnostics_.add(connected_at_[at], fmt::format("a cycle: {}", fmt::join(names, " -> ")));
+  return order;
+}
+
+void PlanBuilder::check_connections(const std::vector<std::size_t>& order) {
+  for (const std::size_t index : order) {
+    PlanNode& node = nodes_[index];
+    const std::vector<InputDeclaration>& declared = node.interface.inputs;
+    const bool repeated = !declared.empty() && declared.back().repeated;
+    const std::size_t given = node.inputs.size();
+    if (given != 0 && (repeated ? given < declared.size() : given != declared.size())) {
+      std::vector<std::string> names;
+      for (const PlanInput& input : node.inputs) names.push_back(nodes_[input.node].name);
+      diagnostics_.add(connected_at_[index],
+                       fmt::format("'{}' ({}) has {}{} input{}, but is fed by {}: {}", node.name,
+                                   node.type->name, repeated ? "at least " : "", declared.size(),
+                                   declared.size() == 1 ? "" : "s", given, fmt::join(names, ", ")));
+    }
+    for (std::size_t i = 0; i < given && !declared.empty(); ++i) {
+      const InputDeclaration& input = declared[std::min(i, declared.size() - 1)];
+      const PlanNode& producer = nodes_[node.inputs[i].node];
+      if (producer.interface.output->name != input.payload->name)
+        diagnostics_.add(connected_at_[index],
+                         fmt::format("'{}' gives {}, but input '{}' of '{}' takes {}",
+                                     producer.name, producer.interface.output->name, input.name,
+                                     node.name, input.payload->name));
+      else if (!input.frame.empty() && !producer.frame.empty() && producer.frame != input.frame)
+        diagnostics_.add(connected_at_[index],
+                         fmt::format("'{}' gives {} in frame '{}', but input '{}' of '{}' is in "
+                                     "frame '{}'; put a transform between them",
+                                     producer.name, input.payload->name, producer.frame, input.name,
+                                     node.name, input.frame));
+      else if (i > 0 && input.frame.empty() && declared.front().frame.empty() &&
+               producer.frame != nodes_[node.inputs.front().node].frame)
+        diagnostics_.add(
+            connected_at_[index],
+            fmt::format("'{}' is in frame '{}', but '{}' in frame '{}'; inputs of '{}' "
+                        "must share a frame",
+                        nodes_[node.inputs[0].node].name, nodes_[node.inputs[0].node].frame,
+                        producer.name, producer.frame, node.name));
+    }
+    node.frame = node.interface.frame;
+    const auto from = node.interface.frame_of_input;
+    if (node.frame.empty() && from && *from < given)
+      node.frame = nodes_[node.inputs[*from].node].frame;
+  }
+}
+
+std::optional<Plan> PlanBuilder::finish(const Node& graph, const std::vector<std::size_t>& order,
+                                        const std::vector<std::size_t>& outputs) {
+  Plan plan;
+  if (const Node* name = graph.find("ilss")) plan.name = name->text;
+  if (const Node* text = graph.find("description")) plan.description = text->text;
+  std::vector<std::size_t> place(nodes_.size());
+  for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = i;
+  const auto shift = static_cast<std::uint32_t>(nodes_.size());
+  for (const std::size_t index : order) {
+    PlanNode& node = plan.nodes.emplace_back(std::move(nodes_[index]));
+    for (PlanInput& input : node.inputs) input.node = place[input.node];
+    plan.owners.push_back({node.name, false});
+    // Owners of constants and parameters now come after those of the nodes.
+    Lineage shifted(node.parameters.dimension());
+    for (std::size_t k = 0; k < node.parameters.lineage.size(); ++k) {
+      Source source = node.parameters.lineage.sources()[k];
+      source.owner += shift;
+      shifted.add(source, node.parameters.lineage.column(k));
+    }
+    node.parameters.lineage = std::move(shifted);
+  }
+  plan.owners.insert(plan.owners.end(), owners_.begin(), owners_.end());
+  for (const std::size_t output : outputs) plan.outputs.push_back(place[output]);
+  return plan;
+}
+
+}  // namespace
+
+std::optional<Override> parse_override(const std::string& text, const std::string& origin,
+                                       Diagnostics& diagnostics) {
+  const std::size_t equals = text.find('=');
+  const std::size_t errors = diagnostics.size();
+  Node value =
+      parse_document(equals == std::string::npos ? "" : std::string_view(text).substr(equals + 1),
+                     origin, diagnostics);
+  if (diagnostics.size() != errors) return std::nullopt;
+  if (equals == std::string::npos || equals == 0) {
+    diagnostics.add({value.position.file, 0, 0},
+                    fmt::format("expected MODULE.PARAMETER=VALUE, got '{}'", text));
+    return std::nullopt;
+  }
+  const Position position = value.position;
+  return Override{text.substr(0, equals), std::move(value), position};
+}
+
+std::optional<Plan> build_plan(const Node& graph, const std::filesystem::path& directory,
+                               const Registry& registry, const std::vector<Override>& overrides,
+                               Diagnostics& diagnostics) {
+  PlanBuilder builder(registry, diagnostics);
+  return builder.build(graph, directory, overrides);
+}
+
+std::optional<Plan> read_plan(const std::filesystem::path& file, const Registry& registry,
+                              const std::vector<Override>& overrides, Diagnostics& diagnostics) {
+  const std::size_t errors = diagnostics.size();
+  const Node graph = read_document(file, diagnostics);
+  if (graph.is_null() && diagnostics.size() != errors) return std::nullopt;
+  auto plan = build_plan(graph, file.parent_path(), registry, overrides, diagnostics);
+  if (diagnostics.size() != errors) return std::nullopt;
+  return plan;
+}
+
+}  // namespace ilss

@@ -1,0 +1,210 @@
+#include "framework/graph/system.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace ilss {
+namespace {
+
+/// Stands for a module whose constructor threw.
+class BrokenModule final : public Module {
+ public:
+  explicit BrokenModule(std::string reason) : reason_(std::move(reason)) {}
+  Outcome<> evaluate(const Evaluation&, Output&) override {
+    return Fault{FaultKind::internal, reason_};
+  }
+
+ private:
+  std::string reason_;
+};
+
+std::unique_ptr<Module> create_module(const PlanNode& node) {
+  try {
+    return node.type->create(node.settings);
+  } catch (const std::exception& error) {
+    return std::make_unique<BrokenModule>(fmt::format("cannot be created: {}", error.what()));
+  }
+}
+
+}  // namespace
+
+System::System(const Plan& plan, std::uint64_t seed, Folding folding)
+    : plan_(&plan), folding_(folding), post_dominators_(plan), nodes_(plan.nodes.size()) {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const PlanNode& node = plan.nodes[i];
+    NodeState& state = nodes_[i];
+    state.module = create_module(node);
+    state.output.estimate = Estimate(*node.interface.output, node.frame);
+    state.seed_ = derive_seed(seed, node.name);
+    for (const PlanInput& input : node.inputs) state.inputs_.push_back(&nodes_[input.node].output);
+  }
+}
+
+void System::begin_tick(double time) {
+  time_ = time;
+  tick_seed_ = mix(static_cast<std::uint64_t>(tick_));
+  ++tick_;
+}
+
+Evaluation System::evaluation(std::size_t i) const {
+  const NodeState& state = nodes_[i];
+  return {.tick = tick_ - 1,
+          .time = time_,
+          .seed = mix(state.seed_ ^ tick_seed_),
+          .owner = static_cast<std::uint32_t>(i),
+          .parameters = plan_->nodes[i].parameters,
+          .inputs = state.inputs_};
+}
+
+double System::oldest_input(const NodeState& state) const {
+  double oldest = time_;
+  for (const Output* input : state.inputs_) oldest = std::min(oldest, input->acquired);
+  return oldest;
+}
+
+bool System::inputs_ready(std::size_t i) {
+  NodeState& state = nodes_[i];
+  const PlanNode& node = plan_->nodes[i];
+  bool any_fresh = node.inputs.empty();
+  bool all_there = true;
+  for (const PlanInput& input : node.inputs) {
+    const NodeState& producer = nodes_[input.node];
+    if (producer.outcome.is_fault()) {
+      state.origin = producer.origin.value_or(input.node);
+      state.outcome = producer.outcome.fault();
+      return false;
+    }
+    any_fresh |= producer.fresh;
+    all_there &= producer.has_value;
+  }
+  if (!any_fresh || !all_there) {
+    state.outcome = Pending{};
+    return false;
+  }
+  for (const PlanInput& input : node.inputs) {
+    const double age = time_ - nodes_[input.node].output.acquired;
+    if (!input.max_age || age <= *input.max_age) continue;
+    state.origin = i;
+    state.outcome =
+        Fault{FaultKind::stale, fmt::format("'{}' is {:.4g} s old; at most {:.4g} s are "
+                                            "allowed",
+                                            plan_->nodes[input.node].name, age, *input.max_age)};
+    return false;
+  }
+  return true;
+}
+
+template <typename Call>
+void System::call_module(std::size_t i, Call call) {
+  NodeState& state = nodes_[i];
+  try {
+    state.outcome = call();
+  } catch (const std::exception& error) {
+    state.outcome = Fault{FaultKind::internal, fmt::format("the module threw: {}", error.what())};
+  } catch (...) {
+    state.outcome = Fault{FaultKind::internal, "the module threw"};
+  }
+  if (state.outcome.has_output()) {
+    state.fresh = true;
+    state.has_value = true;
+    if (folding_ != Folding::none &&
+        state.output.estimate.lineage.size() > state.output.estimate.dimension())
+      fold(i);
+  } else if (state.outcome.is_fault()) {
+    state.origin = i;
+    state.has_value = false;
+  }
+}
+
+void System::evaluate_node(std::size_t i) {
+  NodeState& state = nodes_[i];
+  state.fresh = false;
+  state.origin.reset();
+  if (!inputs_ready(i)) {
+    if (state.outcome.is_fault()) state.has_value = false;
+    return;
+  }
+  const double held_since = state.output.acquired;
+  state.output.acquired = oldest_input(state);
+  call_module(i, [&] { return state.module->evaluate(evaluation(i), state.output); });
+  if (state.outcome.is_pending()) state.output.acquired = held_since;
+}
+
+void System::fold(std::size_t i) {
+  Lineage& lineage = nodes_[i].output.estimate.lineage;
+  const auto foldable = [&](const Source& source) {
+    return !source.persistent() && source.owner < nodes_.size() &&
+           post_dominators_.post_dominates(i, source.owner);
+  };
+  const auto folder = static_cast<std::uint32_t>(i);
+  if (folding_ == Folding::per_owner)
+    lineage.fold(foldable, folder);
+  else
+    lineage.fold_together(foldable, folder, folder);
+}
+
+void System::expect(const std::map<std::size_t, OperatingPoint>& operating_points) {
+  begin_tick(time_);
+  std::vector<char> needed(nodes_.size(), 0);
+  for (const std::size_t output : plan_->outputs) needed[output] = 1;
+  for (std::size_t i = nodes_.size(); i-- > 0;)
+    if (needed[i] && !operating_points.contains(i))
+      for (const PlanInput& input : plan_->nodes[i].inputs) needed[input.node] = 1;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    NodeState& state = nodes_[i];
+    state.fresh = false;
+    state.origin.reset();
+    state.outcome = Pending{};
+    if (!needed[i]) continue;
+    const auto point = operating_points.find(i);
+    if (point != operating_points.end() && point->second.has_error) {
+      const std::string frame = state.output.estimate.frame;
+      state.output = point->second.value;
+      state.output.estimate.frame = frame;
+      state.output.acquired = time_;
+      call_module(i, [] { return Outcome<>{}; });
+      continue;
+    }
+    const Output* operating_point =
+        point == operating_points.end() ? nullptr : &point->second.value;
+    if (operating_point == nullptr && !inputs_ready(i)) continue;
+    state.output.acquired = operating_point == nullptr ? oldest_input(state) : time_;
+    call_module(i,
+                [&] { return state.module->expect(evaluation(i), operating_point, state.output); });
+  }
+}
+
+Outcome<> System::command(std::size_t node, const Command& command) {
+  try {
+    return nodes_.at(node).module->command(command);
+  } catch (const std::exception& error) {
+    return Fault{FaultKind::internal, fmt::format("the module threw: {}", error.what())};
+  }
+}
+
+std::vector<TestReport> System::run_tests(std::size_t node) {
+  try {
+    return nodes_.at(node).module->run_tests(evaluation(node));
+  } catch (const std::exception& error) {
+    return {{"embedded tests", false, fmt::format("the module threw: {}", error.what())}};
+  }
+}
+
+Outcome<> System::try_function(std::size_t node, const Estimate& parameters,
+                               std::span<const Output* const> inputs, Output& output) const {
+  Evaluation values{.tick = tick_ - 1,
+                    .time = time_,
+                    .seed = 0,
+                    .owner = static_cast<std::uint32_t>(node),
+                    .parameters = parameters,
+                    .inputs = inputs};
+  try {
+    return nodes_[node].module->evaluate(values, output);
+  } catch (const std::exception& error) {
+    return Fault{FaultKind::internal, fmt::format("the module threw: {}", error.what())};
+  }
+}
+
+}  // namespace ilss

@@ -1,0 +1,113 @@
+// A running system: a plan's modules, their latest outputs, and the evaluation of one tick.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/graph/folding.h"
+#include "framework/graph/plan.h"
+
+namespace ilss {
+
+/// Which columns are joined when nothing else refers to them.
+enum class Folding {
+  none,
+  per_owner,  ///< at most M columns an owner, so budgets survive
+  all,        ///< at most M columns in all: the cheapest, where no budget is asked for
+};
+
+/// The state of one node after a tick.
+struct NodeState {
+  std::unique_ptr<Module> module;
+  Output output = {};  ///< the latest output; held while later ticks are pending
+  Outcome<> outcome = Pending{};
+  std::optional<std::size_t> origin =
+      {};                  ///< the node whose fault this is, where it came from above
+  bool has_value = false;  ///< `output` holds one
+  bool fresh = false;      ///< made in this tick
+
+ private:
+  friend class System;
+  std::vector<const Output*> inputs_;
+  std::uint64_t seed_ = 0;
+};
+
+/// Observes the evaluation of a tick; the default sees nothing and costs nothing.
+struct NoObserver {
+  void begin_tick() {}
+  void end_node(std::size_t /*node*/) {}
+  void end_tick() {}
+};
+
+/// A plan's modules at work. Copies nothing of the plan, which must outlive it.
+class System {
+ public:
+  /// Creates the modules; an exception in a constructor becomes the fault `internal` of that node
+  /// at every tick. Each module's random numbers follow from `seed`, its name and the tick.
+  System(const Plan& plan, std::uint64_t seed, Folding folding = Folding::per_owner);
+
+  const Plan& plan() const { return *plan_; }
+  const NodeState& node(std::size_t i) const { return nodes_[i]; }
+  std::size_t size() const { return nodes_.size(); }
+  std::int64_t ticks() const { return tick_; }
+
+  /// Evaluates the next tick at `time` (s since the start; must not run backwards).
+  void evaluate(double time) {
+    NoObserver observer;
+    evaluate(time, observer);
+  }
+  template <typename Observer>
+  void evaluate(double time, Observer& observer) {
+    begin_tick(time);
+    observer.begin_tick();
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      evaluate_node(i);
+      observer.end_node(i);
+    }
+    observer.end_tick();
+  }
+
+  /// Evaluates for prediction: expected errors, nothing acquired. Nodes in `operating_points` take
+  /// that value: as it is where `has_error`, else with the module's own expected error at it. Nodes
+  /// that only feed such nodes are left pending.
+  struct OperatingPoint {
+    Output value;
+    bool has_error = false;
+  };
+  void expect(const std::map<std::size_t, OperatingPoint>& operating_points);
+
+  /// Gives a module a command between ticks.
+  Outcome<> command(std::size_t node, const Command& command);
+
+  /// Runs a module's embedded tests.
+  std::vector<TestReport> run_tests(std::size_t node);
+
+  /// Evaluates one node's module on given inputs and parameters into `output`, beside the running
+  /// state: for functions, which have none. Used to try perturbed values.
+  Outcome<> try_function(std::size_t node, const Estimate& parameters,
+                         std::span<const Output* const> inputs, Output& output) const;
+
+ private:
+  void begin_tick(double time);
+  void evaluate_node(std::size_t i);
+  bool inputs_ready(std::size_t i);
+  double oldest_input(const NodeState& state) const;
+  Evaluation evaluation(std::size_t i) const;
+  template <typename Call>
+  void call_module(std::size_t i, Call call);
+  void fold(std::size_t i);
+
+  const Plan* plan_;
+  Folding folding_;
+  PostDominators post_dominators_;
+  std::vector<NodeState> nodes_;
+  std::int64_t tick_ = 0;
+  double time_ = 0;
+  std::uint64_t tick_seed_ = 0;
+};
+
+}  // namespace ilss

@@ -1,0 +1,279 @@
+#include "framework/graph/value_reader.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "framework/estimate/units.h"
+
+namespace ilss {
+namespace {
+
+std::optional<double> read_standard_deviation(const Node& node, const WrittenQuantity& quantity,
+                                              Diagnostics& diagnostics) {
+  if (!node.is_scalar()) {
+    diagnostics.add(node.position, "expected a std, got " + node.description());
+    return std::nullopt;
+  }
+  const auto split = split_quantity(node.text);
+  if (const auto* error = std::get_if<std::string>(&split)) {
+    diagnostics.add(node.position, *error);
+    return std::nullopt;
+  }
+  const auto [number, unit] = std::get<QuantityText>(split);
+  double scale = 1;
+  if (unit != quantity.unit && !(unit.empty() && number == 0)) {
+    const auto conversion =
+        unit_conversion(unit.empty() ? "1" : unit, quantity.unit.empty() ? "1" : quantity.unit);
+    if (std::holds_alternative<std::string>(conversion)) {
+      diagnostics.add(node.position,
+                      fmt::format("std '{}' does not fit its value in '{}'", node.text,
+                                  quantity.unit.empty() ? "1" : quantity.unit));
+      return std::nullopt;
+    }
+    scale = std::get<UnitConversion>(conversion).scale;
+  }
+  if (number < 0) {
+    diagnostics.add(node.position, fmt::format("a std cannot be negative, got '{}'", node.text));
+    return std::nullopt;
+  }
+  return number * scale;
+}
+
+/// The unit's scale alone, for a component given without its own unit-bearing value.
+std::optional<std::vector<WrittenQuantity>> read_components(const Node& map,
+                                                            const PayloadDescriptor& payload,
+                                                            Estimate& estimate,
+                                                            Diagnostics& diagnostics);
+
+std::optional<int> read_label(const Node& value, const Label& label, Diagnostics& diagnostics) {
+  for (std::size_t i = 0; i < label.values.size(); ++i)
+    if (value.is_scalar() && value.text == label.values[i]) return static_cast<int>(i);
+  diagnostics.add(value.position, fmt::format("expected one of {}, got {}",
+                                              fmt::join(label.values, ", "), value.description()));
+  return std::nullopt;
+}
+
+std::optional<std::vector<WrittenQuantity>> read_components(const Node& map,
+                                                            const PayloadDescriptor& payload,
+                                                            Estimate& estimate,
+                                                            Diagnostics& diagnostics) {
+  const std::size_t errors = diagnostics.size();
+  std::vector<WrittenQuantity> written(payload.dimension());
+  std::vector<char> given(payload.dimension(), 0);
+  std::vector<std::string> names;
+  for (const Component& component : payload.components) names.push_back(component.name);
+  for (const Label& label : payload.labels) names.push_back(label.name);
+  for (std::size_t k = 0; k < map.size(); ++k) {
+    const Node& key = map.keys[k];
+    if (const auto i = payload.find(key.text)) {
+      given[*i] = 1;
+      if (auto quantity = read_quantity(map.values[k], diagnostics)) written[*i] = *quantity;
+      continue;
+    }
+    bool is_label = false;
+    for (std::size_t l = 0; l < payload.labels.size(); ++l) {
+      if (payload.labels[l].name != key.text) continue;
+      is_label = true;
+      if (const auto index = read_label(map.values[k], payload.labels[l], diagnostics))
+        estimate.labels[l] = *index;
+    }
+    if (!is_label)
+      diagnostics.add(key.position, fmt::format("{} has no component '{}'{}", payload.name,
+                                                key.text, suggestion(key.text, names)));
+  }
+  for (std::size_t i = 0; i < payload.dimension(); ++i) {
+    if (given[i]) continue;
+    const Component& component = payload.components[i];
+    if (component.default_value)
+      written[i] = {*component.default_value, component.unit, std::nullopt, map.position};
+    else
+      diagnostics.add(map.position, fmt::format("{} needs its component '{}', {}", payload.name,
+                                                component.name, dimension_name(component.unit)));
+  }
+  if (diagnostics.size() != errors) return std::nullopt;
+  return written;
+}
+
+void check_one_form(const Node& map, Diagnostics& diagnostics) {
+  for (const Node& key : map.keys)
+    if (key.text != "value" && key.text != "covariance")
+      diagnostics.add(key.position,
+                      fmt::format("expected value and covariance, got '{}'", key.text));
+}
+
+}  // namespace
+
+std::optional<WrittenQuantity> read_quantity(const Node& node, Diagnostics& diagnostics) {
+  const std::size_t errors = diagnostics.size();
+  const Node* value = &node;
+  const Node* standard_deviation = nullptr;
+  if (node.is_map()) {
+    value = node.find("value");
+    standard_deviation = node.find("std");
+    for (const Node& key : node.keys)
+      if (key.text != "value" && key.text != "std")
+        diagnostics.add(key.position,
+                        fmt::format("a quantity has value and std, not '{}'{}", key.text,
+                                    suggestion(key.text, {"value", "std"})));
+    if (value == nullptr) diagnostics.add(node.position, "a quantity needs its value");
+    if (diagnostics.size() != errors) return std::nullopt;
+  }
+  if (!value->is_scalar()) {
+    diagnostics.add(value->position,
+                    "expected a quantity such as '11 deg', or {value: ..., std: ...}, got " +
+                        value->description());
+    return std::nullopt;
+  }
+  const auto split = split_quantity(value->text);
+  if (const auto* error = std::get_if<std::string>(&split)) {
+    diagnostics.add(value->position, *error);
+    return std::nullopt;
+  }
+  WrittenQuantity quantity;
+  quantity.number = std::get<QuantityText>(split).number;
+  quantity.unit = std::get<QuantityText>(split).unit;
+  quantity.position = value->position;
+  if (standard_deviation != nullptr) {
+    // 0 may stand without a unit; then the std says which.
+    if (quantity.unit.empty() && quantity.number == 0 && standard_deviation->is_scalar()) {
+      const auto std_split = split_quantity(standard_deviation->text);
+      if (const auto* text = std::get_if<QuantityText>(&std_split)) quantity.unit = text->unit;
+    }
+    quantity.standard_deviation =
+        read_standard_deviation(*standard_deviation, quantity, diagnostics);
+  }
+  if (diagnostics.size() != errors) return std::nullopt;
+  return quantity;
+}
+
+std::optional<SiQuantity> to_si(const WrittenQuantity& quantity, std::string_view si_unit,
+                                Diagnostics& diagnostics) {
+  if (quantity.unit.empty()) {
+    if (si_unit == "1" || quantity.number == 0) return SiQuantity{quantity.number, 1.0};
+    diagnostics.add(quantity.position, fmt::format("'{}' has no unit; expected {}", quantity.number,
+                                                   dimension_name(si_unit)));
+    return std::nullopt;
+  }
+  const auto conversion = unit_conversion(quantity.unit, si_unit);
+  if (const auto* error = std::get_if<std::string>(&conversion)) {
+    diagnostics.add(quantity.position, *error);
+    return std::nullopt;
+  }
+  const auto [scale, offset] = std::get<UnitConversion>(conversion);
+  const double value = scale * quantity.number + offset;
+  if (!std::isfinite(value)) {
+    diagnostics.add(quantity.position,
+                    fmt::format("'{} {}' is too large", quantity.number, quantity.unit));
+    return std::nullopt;
+  }
+  return SiQuantity{value, scale};
+}
+
+std::optional<Eigen::MatrixXd> read_covariance(const Node& node, std::size_t dimension,
+                                               Diagnostics& diagnostics) {
+  const auto complain = [&](const Node& where, std::string message) {
+    diagnostics.add(where.position, std::move(message));
+    return std::nullopt;
+  };
+  const auto n = static_cast<Eigen::Index>(dimension);
+  if (!node.is_list() || node.size() != dimension)
+    return complain(node, fmt::format("expected a covariance of {0} rows of {0} numbers", n));
+  Eigen::MatrixXd covariance(n, n);
+  for (std::size_t i = 0; i < dimension; ++i) {
+    const Node& row = node.values[i];
+    if (!row.is_list() || row.size() != dimension)
+      return complain(row, fmt::format("expected a row of {} numbers", n));
+    for (std::size_t j = 0; j < dimension; ++j) {
+      const auto number = parse_quantity(row.values[j].text, "1");
+      if (!row.values[j].is_scalar() || std::holds_alternative<std::string>(number))
+        return complain(row.values[j],
+                        "expected a number in the product of the values' units, got " +
+                            row.values[j].description());
+      covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          std::get<double>(number);
+    }
+  }
+  // Judged as a correlation, so that components of different units count alike.
+  constexpr double rounding = 1e-9;
+  const Eigen::VectorXd scale = covariance.diagonal().unaryExpr(
+      [](double variance) { return variance > 0 ? 1 / std::sqrt(variance) : 1.0; });
+  const Eigen::MatrixXd correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
+  if (!correlation.isApprox(correlation.transpose(), rounding) &&
+      (correlation - correlation.transpose()).cwiseAbs().maxCoeff() > rounding)
+    return complain(node, "a covariance must be symmetric");
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
+  if (covariance.diagonal().minCoeff() < 0 || eigen.eigenvalues().minCoeff() < -rounding)
+    return complain(node, "a covariance must be positive semidefinite");
+  return covariance;
+}
+
+std::optional<GivenEstimate> read_estimate(const Node& node, const PayloadDescriptor& payload,
+                                           const std::string& name, SourceOwners& owners,
+                                           Diagnostics& diagnostics) {
+  const std::size_t errors = diagnostics.size();
+  GivenEstimate given{Estimate(payload)};
+  const Node* covariance_node = nullptr;
+  const Node* values = &node;
+  Node single;
+  const bool quantity_map = node.is_map() && node.find("value") != nullptr &&
+                            !payload.find("value") && node.find("covariance") == nullptr &&
+                            !node.find("value")->is_map();
+  if (node.is_scalar() || quantity_map) {
+    if (payload.dimension() != 1) {
+      diagnostics.add(node.position, fmt::format("{} has {} components; expected a map of them",
+                                                 payload.name, payload.dimension()));
+      return std::nullopt;
+    }
+    single.kind = Node::Kind::map;
+    single.position = node.position;
+    single.keys.push_back(
+        {Node::Kind::scalar, node.position, false, payload.components.front().name});
+    single.values.push_back(node);
+    values = &single;
+  } else if (node.is_map() && node.find("value") != nullptr && !payload.find("value")) {
+    check_one_form(node, diagnostics);
+    values = node.find("value");
+    covariance_node = node.find("covariance");
+  }
+  if (!values->is_map()) {
+    diagnostics.add(values->position, fmt::format("expected a map of {}'s components, got {}",
+                                                  payload.name, values->description()));
+    return std::nullopt;
+  }
+  const auto written = read_components(*values, payload, given.estimate, diagnostics);
+  if (!written) return std::nullopt;
+  Eigen::VectorXd scale(static_cast<Eigen::Index>(written->size()));
+  for (std::size_t i = 0; i < written->size(); ++i) {
+    const Component& component = payload.components[i];
+    const auto si = to_si((*written)[i], component.unit, diagnostics);
+    if (!si) continue;
+    given.estimate.value[i] = component.circular ? wrap_angle(si->value) : si->value;
+    scale[static_cast<Eigen::Index>(i)] = si->scale;
+    const auto& standard_deviation = (*written)[i].standard_deviation;
+    if (!standard_deviation) continue;
+    given.has_error = true;
+    if (covariance_node != nullptr) {
+      diagnostics.add((*written)[i].position, "give either a std or a covariance, not both");
+      continue;
+    }
+    const auto owner = static_cast<std::uint32_t>(owners.size());
+    owners.push_back({name + "." + component.name, false});
+    given.estimate.lineage.add({owner, 0, 0}, i, si->scale * *standard_deviation);
+  }
+  if (covariance_node != nullptr) {
+    given.has_error = true;
+    const auto covariance = read_covariance(*covariance_node, written->size(), diagnostics);
+    if (covariance && diagnostics.size() == errors) {
+      const auto owner = static_cast<std::uint32_t>(owners.size());
+      owners.push_back({name, false});
+      given.estimate.lineage.add_noise({owner, 0, 0},
+                                       scale.asDiagonal() * *covariance * scale.asDiagonal());
+    }
+  }
+  if (diagnostics.size() != errors) return std::nullopt;
+  return given;
+}
+
+}  // namespace ilss

@@ -1,0 +1,7 @@
+#include "src/session.h"
+
+namespace ilss {
+
+void add_modules(CLI::App& app, Session& session) { (void)app, (void)session; }
+
+}  // namespace ilss

@@ -1,0 +1,44 @@
+#include "src/session.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "sensors/register.h"
+
+namespace ilss {
+
+void Session::load_modules() {
+  register_sensors(registry);
+  for (const std::string& plugin : plugins) {
+    try {
+      load_plugin(plugin, registry);
+    } catch (const std::exception& error) {
+      fail(exit_bad_input, error.what());
+    }
+  }
+}
+
+Plan Session::read_graph(const std::filesystem::path& file, const std::vector<std::string>& sets) {
+  Diagnostics diagnostics;
+  std::vector<Override> overrides;
+  for (const std::string& set : sets)
+    if (auto parsed = parse_override(set, "--set " + set, diagnostics))
+      overrides.push_back(std::move(*parsed));
+  auto plan = read_plan(file, registry, overrides, diagnostics);
+  if (!diagnostics.empty() || !plan) report_and_exit(diagnostics);
+  return std::move(*plan);
+}
+
+void report_and_exit(const Diagnostics& diagnostics) {
+  for (const Diagnostic& diagnostic : diagnostics.sorted())
+    fmt::print(stderr, "{}\n", format_diagnostic(diagnostic));
+  throw Exit{exit_bad_input};
+}
+
+void fail(int status, const std::string& message) {
+  fmt::print(stderr, "ilss: {}\n", message);
+  throw Exit{status};
+}
+
+}  // namespace ilss

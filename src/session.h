@@ -1,0 +1,51 @@
+// What every verb of the command shares: the registry, plug-ins, reading graphs, exit statuses.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "framework/graph/plan.h"
+
+namespace ilss {
+
+/// Exit statuses of the command.
+inline constexpr int exit_fine = 0;
+inline constexpr int exit_failed =
+    1;  ///< the run could not go on, or an enforced requirement failed
+inline constexpr int exit_bad_input = 2;  ///< bad usage or input
+
+/// Ends a verb with an exit status; what there was to say has been said.
+struct Exit {
+  int status;
+};
+
+/// One call of the command.
+struct Session {
+  Registry registry;
+  std::vector<std::string> plugins;
+  bool json = false;
+
+  /// Registers the built-in modules and loads the plug-ins. @throws Exit
+  void load_modules();
+  /// Reads a graph with `--set` overrides. Prints every error. @throws Exit
+  Plan read_graph(const std::filesystem::path& file, const std::vector<std::string>& sets);
+};
+
+/// Prints diagnostics to stderr, each as file:line:column: message, and ends with status 2.
+[[noreturn]] void report_and_exit(const Diagnostics& diagnostics);
+/// Prints one message to stderr and ends with the status.
+[[noreturn]] void fail(int status, const std::string& message);
+
+/// Each adds its verb to the command.
+void add_check(CLI::App& app, Session& session);
+void add_modules(CLI::App& app, Session& session);
+void add_eval(CLI::App& app, Session& session);
+void add_predict(CLI::App& app, Session& session);
+void add_run(CLI::App& app, Session& session);
+void add_compare(CLI::App& app, Session& session);
+void add_graph(CLI::App& app, Session& session);
+void add_schema(CLI::App& app, Session& session);
+
+}  // namespace ilss
