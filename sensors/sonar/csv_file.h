@@ -1,0 +1,48 @@
+// A recording as comma-separated values: read once, shared by the sensors that play it.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/module/outcome.h"
+
+namespace ilss {
+
+/// The cells of a CSV file. Empty lines and lines that start with '#' are left out; a first row
+/// with a cell that is not a number is the header.
+class CsvFile {
+ public:
+  /// Faults: device_lost where the file cannot be read.
+  static Outcome<std::shared_ptr<const CsvFile>> open(const std::filesystem::path& path);
+
+  std::size_t rows() const { return rows_.size(); }
+
+  /// A column by its name in the header, or by its number, counted from 1. Faults: bad_data.
+  Outcome<std::size_t> find_column(std::string_view name) const;
+
+  /// The number in a row and column, counted from 0. Faults: bad_data with file and line where the
+  /// row is short or the cell is no finite number.
+  Outcome<double> number(std::size_t row, std::size_t column) const;
+
+ private:
+  struct Row {
+    std::size_t begin;
+    std::size_t end;
+    std::size_t line;
+  };
+
+  CsvFile(std::filesystem::path path, std::string text);
+  std::string_view text_of(const Row& row) const {
+    return std::string_view(text_).substr(row.begin, row.end - row.begin);
+  }
+
+  std::filesystem::path path_;
+  std::string text_;
+  std::vector<std::string> header_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace ilss
