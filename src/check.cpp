@@ -1,7 +1,63 @@
+// `ilss check`: every error of a graph at once, or its plan.
+#include <fmt/format.h>
+
+#include "src/estimate_json.h"
 #include "src/session.h"
 
 namespace ilss {
+namespace {
 
-void add_check(CLI::App& app, Session& session) { (void)app, (void)session; }
+std::vector<std::string> input_names(const Plan& plan, const PlanNode& node) {
+  std::vector<std::string> names;
+  for (const PlanInput& input : node.inputs) names.push_back(plan.nodes[input.node].name);
+  return names;
+}
+
+void print_text(const Plan& plan) {
+  fmt::print("{}: {} module{}, fine\n", plan.name.empty() ? "graph" : plan.name, plan.nodes.size(),
+             plan.nodes.size() == 1 ? "" : "s");
+  std::size_t width = 0;
+  for (const PlanNode& node : plan.nodes) width = std::max(width, node.name.size());
+  for (const PlanNode& node : plan.nodes) {
+    const std::vector<std::string> inputs = input_names(plan, node);
+    fmt::print("  {:<{}}  {:<20} {}{} -> {}{}\n", node.name, width, node.type->name,
+               fmt::join(inputs, ", "), inputs.empty() ? "source" : "", node.interface.output->name,
+               node.frame.empty() ? "" : fmt::format(" in {}", node.frame));
+  }
+  for (const std::size_t output : plan.outputs) fmt::print("output: {}\n", plan.nodes[output].name);
+}
+
+void print_json(const Plan& plan) {
+  Json nodes = Json::array();
+  for (const PlanNode& node : plan.nodes)
+    nodes.push_back({{"name", node.name},
+                     {"type", node.type->name},
+                     {"inputs", input_names(plan, node)},
+                     {"output", node.interface.output->name},
+                     {"frame", node.frame}});
+  Json outputs = Json::array();
+  for (const std::size_t output : plan.outputs) outputs.push_back(plan.nodes[output].name);
+  fmt::print("{}\n", Json{{"ilss", plan.name}, {"modules", nodes}, {"outputs", outputs}}.dump(2));
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, Session& session) {
+  struct Arguments {
+    std::string graph;
+    std::vector<std::string> sets;
+    bool json = false;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* verb = app.add_subcommand("check", "Report all errors of a graph, or print its plan");
+  verb->add_option("GRAPH", arguments->graph, "Graph file")->required();
+  add_set_option(*verb, arguments->sets);
+  verb->add_flag("--json", arguments->json, "Print JSON");
+  verb->callback([arguments, &session] {
+    session.load_modules();
+    const Plan plan = session.read_graph(arguments->graph, arguments->sets);
+    arguments->json ? print_json(plan) : print_text(plan);
+  });
+}
 
 }  // namespace ilss

@@ -1,7 +1,210 @@
+// `ilss modules`: what module types there are, and all that is declared of one.
+#include <fmt/format.h>
+
+#include "src/estimate_json.h"
 #include "src/session.h"
 
 namespace ilss {
+namespace {
 
-void add_modules(CLI::App& app, Session& session) { (void)app, (void)session; }
+std::string inputs_text(const Interface& interface) {
+  std::vector<std::string> inputs;
+  for (const InputDeclaration& input : interface.inputs)
+    inputs.push_back(fmt::format("{}{}", input.name, input.repeated ? "..." : ""));
+  return fmt::format("{}", fmt::join(inputs, ", "));
+}
+
+std::string unit_text(const std::string& unit) { return unit.empty() ? "" : " in " + unit; }
+
+std::string payload_text(const PayloadDescriptor& payload) {
+  std::vector<std::string> parts;
+  for (const Component& component : payload.components)
+    parts.push_back(fmt::format(
+        "{} [{}]{}", component.name, component.unit,
+        component.default_value ? fmt::format(" = {:g}", *component.default_value) : ""));
+  for (const Label& label : payload.labels)
+    parts.push_back(fmt::format("{}: {}", label.name, fmt::join(label.values, " | ")));
+  if (payload.samples)
+    parts.push_back(fmt::format("samples by {}", fmt::join(payload.samples->axes, ", ")));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string kind_text(const ParameterDeclaration& parameter) {
+  using Kind = ParameterDeclaration::Kind;
+  if (parameter.kind == Kind::choice) return fmt::format("{}", fmt::join(parameter.choices, " | "));
+  if (parameter.kind == Kind::list)
+    return fmt::format("list of {}", kind_name(parameter.children.front().kind));
+  return fmt::format("{}{}", kind_name(parameter.kind), unit_text(parameter.unit));
+}
+
+std::string default_text(const ParameterDeclaration& parameter) {
+  if (parameter.required) return "required";
+  return parameter.default_text.empty() ? "none" : parameter.default_text;
+}
+
+/// Calls `print(full name, declaration)` for each parameter; groups and lists of groups unfold.
+template <typename Print>
+void for_each_parameter(const std::vector<ParameterDeclaration>& parameters,
+                        const std::string& prefix, const Print& print) {
+  using Kind = ParameterDeclaration::Kind;
+  for (const ParameterDeclaration& parameter : parameters) {
+    const std::string name = prefix + parameter.name;
+    const bool list_of_groups =
+        parameter.kind == Kind::list && parameter.children.front().kind == Kind::group;
+    if (parameter.kind != Kind::group) print(name, parameter);
+    if (parameter.kind == Kind::group) for_each_parameter(parameter.children, name + ".", print);
+    if (list_of_groups)
+      for_each_parameter(parameter.children.front().children, name + "[].", print);
+  }
+}
+
+std::string faults_text(const ModuleType& type) {
+  std::vector<std::string_view> names;
+  for (const FaultKind fault : type.faults) names.push_back(fault_name(fault));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+void print_list(const Registry& registry) {
+  std::size_t width = 0;
+  for (const ModuleType* type : registry.types()) width = std::max(width, type->name.size());
+  for (const ModuleType* type : registry.types()) {
+    const Interface interface = type->interface(Settings{});
+    fmt::print("{:<{}}  {:<9}  {}\n", type->name, width, kind_name(type->kind), type->description);
+    fmt::print("{:<{}}  {:<9}  {}{}{}\n", "", width, "", inputs_text(interface),
+               interface.inputs.empty() ? "-> " : " -> ", interface.output->name);
+  }
+}
+
+void print_type(const ModuleType& type) {
+  const Interface interface = type.interface(Settings{});
+  fmt::print("{} ({}): {}\n", type.name, kind_name(type.kind), type.description);
+  if (!type.reference.empty()) fmt::print("source: {}\n", type.reference);
+  for (const InputDeclaration& input : interface.inputs)
+    fmt::print("input {}{}: {}{}\n  {}\n", input.name, input.repeated ? "..." : "",
+               input.payload->name, input.frame.empty() ? "" : " in frame " + input.frame,
+               payload_text(*input.payload));
+  fmt::print("output: {}{}\n  {}\n", interface.output->name,
+             interface.frame.empty() ? "" : " in frame " + interface.frame,
+             payload_text(*interface.output));
+  if (!type.declarations.empty()) fmt::print("parameters\n");
+  for_each_parameter(
+      type.declarations, "  ", [](const std::string& name, const ParameterDeclaration& parameter) {
+        fmt::print("{}: {}, default {}{}\n", name, kind_text(parameter), default_text(parameter),
+                   parameter.uncertain ? "; may be {value, std}" : "");
+        if (!parameter.documentation.empty()) fmt::print("      {}\n", parameter.documentation);
+      });
+  for (const CommandDeclaration& command : type.commands)
+    fmt::print("command {}: {} ({})\n", command.name, command.documentation,
+               kind_text(command.value));
+  if (!type.faults.empty()) fmt::print("faults: {}\n", faults_text(type));
+}
+
+void print_markdown(const ModuleType& type) {
+  const Interface interface = type.interface(Settings{});
+  fmt::print("## {}\n\n{} ({}).", type.name, type.description, kind_name(type.kind));
+  if (!type.reference.empty()) fmt::print(" Source: {}.", type.reference);
+  fmt::print("\n\n");
+  for (const InputDeclaration& input : interface.inputs)
+    fmt::print("- input `{}`{}: `{}`{}: {}\n", input.name, input.repeated ? " (one or more)" : "",
+               input.payload->name,
+               input.frame.empty() ? "" : fmt::format(" in frame `{}`", input.frame),
+               payload_text(*input.payload));
+  fmt::print("- output: `{}`{}: {}\n", interface.output->name,
+             interface.frame.empty() ? "" : fmt::format(" in frame `{}`", interface.frame),
+             payload_text(*interface.output));
+  for (const CommandDeclaration& command : type.commands)
+    fmt::print("- command `{}`: {} ({})\n", command.name, command.documentation,
+               kind_text(command.value));
+  if (!type.faults.empty()) fmt::print("- faults: {}\n", faults_text(type));
+  if (!type.declarations.empty())
+    fmt::print("\n| parameter | type | default | meaning |\n|---|---|---|---|\n");
+  for_each_parameter(
+      type.declarations, "", [](const std::string& name, const ParameterDeclaration& parameter) {
+        std::string kind = kind_text(parameter);
+        for (std::size_t at = kind.find('|'); at != std::string::npos; at = kind.find('|', at + 2))
+          kind.insert(at, "\\");
+        fmt::print("| `{}` | {}{} | {} | {} |\n", name, kind,
+                   parameter.uncertain ? ", may be uncertain" : "", default_text(parameter),
+                   parameter.documentation);
+      });
+  fmt::print("\n");
+}
+
+Json payload_json(const PayloadDescriptor& payload) {
+  Json components = Json::array();
+  for (const Component& component : payload.components)
+    components.push_back({{"name", component.name},
+                          {"unit", component.unit},
+                          {"documentation", component.documentation}});
+  return {{"type", payload.name}, {"components", std::move(components)}};
+}
+
+Json type_json(const ModuleType& type) {
+  const Interface interface = type.interface(Settings{});
+  Json inputs = Json::array();
+  for (const InputDeclaration& input : interface.inputs)
+    inputs.push_back({{"name", input.name}, {"payload", payload_json(*input.payload)}});
+  Json parameters = Json::array();
+  for_each_parameter(type.declarations, "",
+                     [&](const std::string& name, const ParameterDeclaration& parameter) {
+                       parameters.push_back({{"name", name},
+                                             {"type", kind_name(parameter.kind)},
+                                             {"unit", parameter.unit},
+                                             {"default", default_text(parameter)},
+                                             {"uncertain", parameter.uncertain},
+                                             {"documentation", parameter.documentation}});
+                     });
+  Json faults = Json::array();
+  for (const FaultKind fault : type.faults) faults.push_back(fault_name(fault));
+  return {{"name", type.name},
+          {"kind", kind_name(type.kind)},
+          {"description", type.description},
+          {"reference", type.reference},
+          {"inputs", std::move(inputs)},
+          {"output", payload_json(*interface.output)},
+          {"parameters", std::move(parameters)},
+          {"faults", std::move(faults)}};
+}
+
+struct Arguments {
+  std::string type;
+  bool json = false;
+  bool markdown = false;
+};
+
+void list_modules(const Arguments& arguments, Session& session) {
+  session.load_modules();
+  const Registry& registry = session.registry;
+  std::vector<const ModuleType*> types = registry.types();
+  if (!arguments.type.empty()) {
+    const ModuleType* type = registry.find(arguments.type);
+    if (type == nullptr)
+      fail(exit_bad_input, fmt::format("there is no module type '{}'{}", arguments.type,
+                                       suggestion(arguments.type, registry.names())));
+    types = {type};
+  }
+  if (arguments.json) {
+    Json json = Json::array();
+    for (const ModuleType* type : types) json.push_back(type_json(*type));
+    fmt::print("{}\n", arguments.type.empty() ? json.dump(2) : json.front().dump(2));
+  } else if (arguments.markdown) {
+    for (const ModuleType* type : types) print_markdown(*type);
+  } else if (arguments.type.empty()) {
+    print_list(registry);
+  } else {
+    print_type(*types.front());
+  }
+}
+
+}  // namespace
+
+void add_modules(CLI::App& app, Session& session) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* verb = app.add_subcommand("modules", "List module types, or all that one declares");
+  verb->add_option("TYPE", arguments->type, "Module type");
+  auto* json = verb->add_flag("--json", arguments->json, "Print JSON");
+  verb->add_flag("--markdown", arguments->markdown, "Print the reference page")->excludes(json);
+  verb->callback([arguments, &session] { list_modules(*arguments, session); });
+}
 
 }  // namespace ilss

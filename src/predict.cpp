@@ -1,7 +1,120 @@
+// `ilss predict`: how late and how wrong a system's answer will be, without acquiring anything.
+#include <fmt/format.h>
+
+#include "framework/graph/value_reader.h"
+#include "src/estimate_json.h"
+#include "src/estimate_text.h"
 #include "src/session.h"
 
 namespace ilss {
+namespace {
 
-void add_predict(CLI::App& app, Session& session) { (void)app, (void)session; }
+struct Arguments {
+  std::string graph;
+  std::vector<std::string> sets;
+  std::vector<std::string> at;
+  std::string profile;
+  bool parallel = false;
+  bool json = false;
+};
+
+/// The operating points of `--at NAME=VALUE`; their sources join the plan's owners.
+std::map<std::size_t, System::OperatingPoint> read_operating_points(
+    const std::vector<std::string>& texts, Plan& plan) {
+  Diagnostics diagnostics;
+  std::map<std::size_t, System::OperatingPoint> points;
+  std::vector<std::string> names;
+  for (const PlanNode& node : plan.nodes) names.push_back(node.name);
+  for (const std::string& text : texts) {
+    const auto given = parse_override(text, "--at " + text, diagnostics);
+    if (!given) continue;
+    const auto node = plan.find(given->path);
+    if (!node) {
+      diagnostics.add(given->position, fmt::format("there is no module '{}'{}", given->path,
+                                                   suggestion(given->path, names)));
+      continue;
+    }
+    auto estimate = read_estimate(given->value, *plan.nodes[*node].interface.output, given->path,
+                                  plan.owners, diagnostics);
+    if (!estimate) continue;
+    const bool has_error = estimate->has_error;
+    points[*node] = {Output{std::move(estimate->estimate)}, has_error};
+  }
+  if (!diagnostics.empty()) report_and_exit(diagnostics);
+  return points;
+}
+
+void print_text(const Plan& plan, const System& system, const std::vector<VerdictReport>& verdicts,
+                const TimePrediction& time) {
+  for (std::size_t o = 0; o < plan.outputs.size(); ++o) {
+    const Estimate& estimate = system.node(plan.outputs[o]).output.estimate;
+    fmt::print("{}: {}", plan.nodes[plan.outputs[o]].name, estimate_text(estimate, verdicts[o]));
+    const std::string shares = budget_text(estimate, plan.owners);
+    if (!shares.empty()) fmt::print("share of the variance\n{}", shares);
+  }
+  fmt::print("{}", time_text(time, plan));
+}
+
+int predict(const Arguments& arguments, Session& session) {
+  session.load_modules();
+  Plan plan = session.read_graph(arguments.graph, arguments.sets);
+  if (!arguments.profile.empty()) session.apply_profile_file(arguments.profile, plan);
+  const auto points = read_operating_points(arguments.at, plan);
+  std::vector<std::size_t> given;
+  for (const auto& [node, point] : points) given.push_back(node);
+
+  System system(plan, 1, Folding::per_owner);
+  system.expect(points);
+  const TimePrediction time =
+      predict_time(plan, arguments.parallel ? Execution::parallel : Execution::one_thread);
+  const auto [outcome, at] = system_outcome(system);
+  if (outcome->has_output()) {
+    const auto verdicts = judge(system, given);
+    if (arguments.json) {
+      fmt::print("{}\n", Json{{"output", outputs_json(system, plan.owners, verdicts)},
+                              {"time", time_json(time, plan)}}
+                             .dump(2));
+    } else {
+      print_text(plan, system, verdicts, time);
+    }
+    return exit_fine;
+  }
+  const std::string& module = plan.nodes[system.node(at).origin.value_or(at)].name;
+  const Fault fault = outcome->is_fault()
+                          ? outcome->fault()
+                          : Fault{FaultKind::no_error_known, "nothing is expected of it yet"};
+  if (arguments.json)
+    fmt::print("{}\n", Json{{"output", nullptr},
+                            {"fault", fault_json(fault, module)},
+                            {"time", time_json(time, plan)}}
+                           .dump(2));
+  fmt::print(stderr, "ilss: no prediction: '{}': {} ({})\n", module, fault.message,
+             fault_name(fault.kind));
+  if (fault.kind == FaultKind::no_error_known)
+    fmt::print(stderr,
+               "      give its value and error: --at '{}={{COMPONENT: {{value: ..., std: "
+               "...}}, ...}}'\n",
+               module);
+  return exit_failed;
+}
+
+}  // namespace
+
+void add_predict(CLI::App& app, Session& session) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* verb = app.add_subcommand(
+      "predict", "Time and error of a system at an operating point, without acquiring");
+  verb->add_option("GRAPH", arguments->graph, "Graph file")->required();
+  verb->add_option("--at", arguments->at,
+                   "What a module gives at the operating point: NAME={COMPONENT: {value, std}}")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
+  add_set_option(*verb, arguments->sets);
+  verb->add_option("--profile", arguments->profile, "Module times measured by run --profile")
+      ->type_name("FILE");
+  verb->add_flag("--parallel", arguments->parallel, "Branches run side by side");
+  verb->add_flag("--json", arguments->json, "Print JSON");
+  verb->callback([arguments, &session] { throw Exit{predict(*arguments, session)}; });
+}
 
 }  // namespace ilss

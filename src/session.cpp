@@ -30,6 +30,16 @@ Plan Session::read_graph(const std::filesystem::path& file, const std::vector<st
   return std::move(*plan);
 }
 
+void Session::apply_profile_file(const std::filesystem::path& file, Plan& plan) {
+  (void)file, (void)plan;
+}
+
+void add_set_option(CLI::App& verb, std::vector<std::string>& sets) {
+  verb.add_option("--set", sets, "Override a parameter (or constants.NAME) of the graph")
+      ->type_name("MODULE.PARAMETER=VALUE")
+      ->allow_extra_args(false);
+}
+
 void report_and_exit(const Diagnostics& diagnostics) {
   for (const Diagnostic& diagnostic : diagnostics.sorted())
     fmt::print(stderr, "{}\n", format_diagnostic(diagnostic));

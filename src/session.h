@@ -25,18 +25,22 @@ struct Exit {
 struct Session {
   Registry registry;
   std::vector<std::string> plugins;
-  bool json = false;
 
   /// Registers the built-in modules and loads the plug-ins. @throws Exit
   void load_modules();
   /// Reads a graph with `--set` overrides. Prints every error. @throws Exit
   Plan read_graph(const std::filesystem::path& file, const std::vector<std::string>& sets);
+  /// Replaces the plan's module times by those of a profile. Prints every error. @throws Exit
+  void apply_profile_file(const std::filesystem::path& file, Plan& plan);
 };
 
 /// Prints diagnostics to stderr, each as file:line:column: message, and ends with status 2.
 [[noreturn]] void report_and_exit(const Diagnostics& diagnostics);
 /// Prints one message to stderr and ends with the status.
 [[noreturn]] void fail(int status, const std::string& message);
+
+/// The option `--set MODULE.PARAMETER=VALUE`, the same in every verb that takes a graph.
+void add_set_option(CLI::App& verb, std::vector<std::string>& sets);
 
 /// Each adds its verb to the command.
 void add_check(CLI::App& app, Session& session);

@@ -1,0 +1,37 @@
+// Estimates, outcomes and times as JSON: the fields of the command's contract, SI units.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "framework/semantics/time_prediction.h"
+#include "framework/semantics/verdict.h"
+
+namespace ilss {
+
+using Json = nlohmann::ordered_json;
+
+/// One estimate: type, frame, components, covariance, budget, verdict.
+Json estimate_json(const Estimate& estimate, const SourceOwners& owners, Verdict verdict);
+
+/// A fault: kind, message, and the module it comes from.
+Json fault_json(const Fault& fault, const std::string& module);
+
+/// The outputs of a system after a tick: one ESTIMATE, or {"outputs", "cross_covariance"}; null
+/// where there is none.
+Json outputs_json(const System& system, const SourceOwners& owners,
+                  const std::vector<VerdictReport>& verdicts);
+
+Json time_json(const TimePrediction& time, const Plan& plan);
+
+/// "output", "pending" or "fault".
+std::string outcome_name(const Outcome<>& outcome);
+
+/// The outcome of the whole system: a fault where any output has one, pending where any is, else an
+/// output; and the output node that says so.
+struct SystemOutcome {
+  const Outcome<>* outcome;
+  std::size_t node;
+};
+SystemOutcome system_outcome(const System& system);
+
+}  // namespace ilss

@@ -1,0 +1,137 @@
+#include "src/estimate_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "framework/estimate/budget.h"
+
+namespace ilss {
+namespace {
+
+/// A variance's share in percent; "-" where there is no variance to share.
+std::string share_text(double part, double whole) {
+  return whole > 0 ? fmt::format("{:.1f} %", 100 * part / whole) : "-";
+}
+
+std::vector<std::string> names_of(const Plan& plan, const std::vector<std::size_t>& nodes) {
+  std::vector<std::string> names;
+  for (const std::size_t node : nodes) names.push_back(plan.nodes[node].name);
+  return names;
+}
+
+std::string correlations_text(const Estimate& estimate) {
+  const Eigen::MatrixXd covariance = estimate.lineage.covariance();
+  std::string text;
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i)
+    for (Eigen::Index j = i + 1; j < covariance.cols(); ++j) {
+      const double scale = std::sqrt(covariance(i, i) * covariance(j, j));
+      constexpr double worth_showing = 0.005;
+      if (scale <= 0 || std::abs(covariance(i, j)) < worth_showing * scale) continue;
+      const auto& components = estimate.type->components;
+      text += fmt::format("{}{},{} {:+.2f}", text.empty() ? "  correlation  " : "   ",
+                          components[static_cast<std::size_t>(i)].name,
+                          components[static_cast<std::size_t>(j)].name, covariance(i, j) / scale);
+    }
+  return text.empty() ? text : text + "\n";
+}
+
+}  // namespace
+
+ReadingUnit reading_unit(const std::string& si_unit) {
+  if (si_unit == "m") return {"mm", 1e3};
+  if (si_unit == "rad") return {"deg", 180 / std::numbers::pi};
+  if (si_unit == "1") return {"", 1};
+  return {si_unit, 1};
+}
+
+std::string quantity_text(double value, const std::string& si_unit) {
+  const auto [unit, factor] = reading_unit(si_unit);
+  return fmt::format("{:.6g}{}{}", value * factor, unit.empty() ? "" : " ", unit);
+}
+
+std::string quantity_text(double value, double standard_deviation, const std::string& si_unit) {
+  const auto [unit, factor] = reading_unit(si_unit);
+  // Two digits of the standard deviation, and the value to the same place.
+  const double shown = standard_deviation * factor;
+  const int digits =
+      shown > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(shown))), 0, 9) : 3;
+  return fmt::format("{:.{}f} ± {:.{}f}{}{}", value * factor, digits, shown, digits,
+                     unit.empty() ? "" : " ", unit);
+}
+
+std::string estimate_text(const Estimate& estimate, const VerdictReport& verdict) {
+  std::string text = estimate.type->name;
+  if (!estimate.frame.empty()) text += fmt::format(" in frame {}", estimate.frame);
+  text += fmt::format(", {}\n", verdict_name(verdict.verdict));
+  for (std::size_t i = 0; i < estimate.dimension(); ++i) {
+    const Component& component = estimate.type->components[i];
+    text += fmt::format(
+        "  {:<12} {}", component.name,
+        quantity_text(estimate.value[i], estimate.lineage.standard_deviation(i), component.unit));
+    if (verdict.verdict != Verdict::linear_ok && i < verdict.bias.size())
+      text += fmt::format("   (second order: bias {}, std {})",
+                          quantity_text(verdict.bias[i], component.unit),
+                          quantity_text(std::sqrt(verdict.extra_variance[i]), component.unit));
+    text += "\n";
+  }
+  for (std::size_t i = 0; i < estimate.type->labels.size(); ++i) {
+    const Label& label = estimate.type->labels[i];
+    text += fmt::format("  {:<12} {}\n", label.name,
+                        label.values[static_cast<std::size_t>(estimate.labels[i])]);
+  }
+  return text + correlations_text(estimate);
+}
+
+std::string budget_text(const Estimate& estimate, const SourceOwners& owners) {
+  std::vector<BudgetEntry> entries = budget(estimate.lineage);
+  if (entries.empty()) return {};
+  const auto largest_share = [&](const BudgetEntry& entry) {
+    double share = 0;
+    for (std::size_t i = 0; i < entry.variance.size(); ++i) {
+      const double variance = estimate.lineage.variance(i);
+      if (variance > 0) share = std::max(share, entry.variance[i] / variance);
+    }
+    return share;
+  };
+  std::stable_sort(entries.begin(), entries.end(), [&](const auto& a, const auto& b) {
+    return largest_share(a) > largest_share(b);
+  });
+  std::size_t width = 6;
+  for (const BudgetEntry& entry : entries) width = std::max(width, owners[entry.owner].name.size());
+  std::string text = fmt::format("  {:<{}}  {:<10}", "source", width, "kind");
+  for (const Component& component : estimate.type->components)
+    text += fmt::format(" {:>10}", component.name);
+  text += "\n";
+  for (const BudgetEntry& entry : entries) {
+    text += fmt::format("  {:<{}}  {:<10}", owners[entry.owner].name, width,
+                        entry.persistent ? "systematic" : "random");
+    for (std::size_t i = 0; i < entry.variance.size(); ++i)
+      text += fmt::format(" {:>10}", share_text(entry.variance[i], estimate.lineage.variance(i)));
+    text += "\n";
+  }
+  return text;
+}
+
+std::string duration_text(double seconds) {
+  if (seconds >= 1) return fmt::format("{:.3g} s", seconds);
+  if (seconds >= 1e-3) return fmt::format("{:.3g} ms", seconds * 1e3);
+  if (seconds >= 1e-6) return fmt::format("{:.3g} us", seconds * 1e6);
+  return fmt::format("{:.3g} ns", seconds * 1e9);
+}
+
+std::string time_text(const TimePrediction& time, const Plan& plan) {
+  if (time.unknown.size() == plan.nodes.size())
+    return "time         unknown: no module declares one; see time: in graphs, or --profile\n";
+  std::string text = fmt::format("time         typical {}, worst {}\n", duration_text(time.typical),
+                                 duration_text(time.worst));
+  text += fmt::format("  path       {}\n", fmt::join(names_of(plan, time.critical_path), " -> "));
+  if (!time.unknown.empty())
+    text += fmt::format("  not known  {} (taken as 0)\n",
+                        fmt::join(names_of(plan, time.unknown), ", "));
+  return text;
+}
+
+}  // namespace ilss

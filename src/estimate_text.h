@@ -1,0 +1,35 @@
+// Estimates and times as people read them: millimetres, degrees, aligned columns.
+#pragma once
+
+#include <string>
+
+#include "framework/semantics/time_prediction.h"
+#include "framework/semantics/verdict.h"
+
+namespace ilss {
+
+/// A unit for reading, and what SI values are multiplied by: metres are shown in mm, radians in
+/// deg.
+struct ReadingUnit {
+  std::string name;
+  double factor;
+};
+ReadingUnit reading_unit(const std::string& si_unit);
+
+/// "0.93 m" as "930 mm": a value, or a value and its standard deviation.
+std::string quantity_text(double value, const std::string& si_unit);
+std::string quantity_text(double value, double standard_deviation, const std::string& si_unit);
+
+/// Components with standard deviations, correlations, labels and the verdict, as lines.
+std::string estimate_text(const Estimate& estimate, const VerdictReport& verdict);
+
+/// Who is to blame for how much of each component's variance, largest share first.
+std::string budget_text(const Estimate& estimate, const SourceOwners& owners);
+
+/// "12.3 ms" or "340 ns".
+std::string duration_text(double seconds);
+
+/// The predicted time with its critical path and what it does not know.
+std::string time_text(const TimePrediction& time, const Plan& plan);
+
+}  // namespace ilss
