@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <memory>
 #include <queue>
@@ -11,6 +12,7 @@
 #include "framework/graph/constants.h"
 #include "framework/graph/expression.h"
 #include "framework/graph/plan.h"
+#include "framework/graph/profile.h"
 
 namespace ilss {
 namespace {
@@ -33,9 +35,17 @@ std::vector<std::string> split_path(std::string_view text) {
   }
 }
 
-/// Puts `value` at `path` below `map`, making maps on the way.
+/// Puts `value` at `path` below `map`, making maps on the way; `x.std` keeps the value of `x: 11
+/// deg`.
 void set_value(Node& map, std::span<const std::string> path, const Node& value) {
-  if (!map.is_map()) map = Node{Node::Kind::map, value.position};
+  if (!map.is_map()) {
+    Node made{Node::Kind::map, value.position};
+    if (map.is_scalar() && path.size() == 1 && path.front() == "std") {
+      made.keys.push_back({Node::Kind::scalar, map.position, false, "value"});
+      made.values.push_back(map);
+    }
+    map = std::move(made);
+  }
   for (std::size_t i = 0; i < map.keys.size(); ++i) {
     if (map.keys[i].text != path.front()) continue;
     if (path.size() == 1)
@@ -49,13 +59,72 @@ void set_value(Node& map, std::span<const std::string> path, const Node& value) 
   if (path.size() > 1) set_value(map.values.back(), path.subspan(1), value);
 }
 
+constexpr std::size_t deepest_nesting = 32;
+constexpr std::size_t most_systems = 10'000;
+
+/// Stands for a node that could not be read; what is connected to it cannot be checked.
+constexpr std::size_t unknown_node = std::numeric_limits<std::size_t>::max();
+
 /// What a name in a network stands for: one node, or the outputs of a nested system.
 struct Instance {
-  std::vector<std::size_t> outputs;  ///< nodes
+  std::vector<std::size_t> outputs = {unknown_node};
+  bool counted = true;  ///< whether it has as many outputs as `outputs`
   bool nested = false;
   bool used = false;
   Position position = {};
 };
+
+/// What an expression gives to the next: outputs in order. Where a part of it could not be read,
+/// their number is not known, and no more is said of it.
+struct Flow {
+  std::vector<PlanInput> outputs = {};
+  bool counted = true;
+};
+
+std::filesystem::path canonical(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::path result = std::filesystem::weakly_canonical(path, error);
+  return error ? path : result;
+}
+
+/// Whether `name` is `path` or one of its members: "mount.x" of "mount".
+bool is_at_or_below(std::string_view name, std::string_view path) {
+  return name.starts_with(path) && (name.size() == path.size() || name[path.size()] == '.');
+}
+
+bool same_inputs(const std::vector<PlanInput>& a, const std::vector<PlanInput>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const PlanInput& x, const PlanInput& y) {
+                      return x.node == y.node && x.max_age == y.max_age;
+                    });
+}
+
+bool knows_all(const Flow& flow) {
+  return flow.counted && std::none_of(flow.outputs.begin(), flow.outputs.end(),
+                                      [](const PlanInput& i) { return i.node == unknown_node; });
+}
+
+/// Where a node's inputs come from.
+struct Connection {
+  bool made = false;
+  bool counted = true;  ///< whether all of the node's inputs are known, if only as unknown_node
+  Position position = {};
+};
+
+/// A parameter's value in a module's map, or null: "mount.x" lies in the map `mount`.
+const Node* find_parameter(const Node& module, std::string_view name, Diagnostics& diagnostics) {
+  const Node* value = &module;
+  while (true) {
+    const std::size_t dot = name.find('.');
+    value = value->find(name.substr(0, dot));
+    if (dot == std::string_view::npos || value == nullptr || value->is_null()) return value;
+    if (!value->is_map()) {
+      diagnostics.add(value->position, "expected a map, got " + value->description());
+      return nullptr;
+    }
+    name.remove_prefix(dot + 1);
+  }
+}
 
 class PlanBuilder {
  public:
@@ -67,20 +136,21 @@ class PlanBuilder {
     const std::size_t errors = diagnostics_.size();
     std::vector<PlacedOverride> placed;
     for (const Override& o : overrides) placed.push_back({split_path(o.path), &o, nullptr});
-    std::vector<std::size_t> outputs = read_system(graph, "", directory, placed);
-    if (diagnostics_.size() == errors) check_connected();
-    std::vector<std::size_t> order = evaluation_order();
-    if (order.size() == nodes_.size()) check_connections(order);
+    if (graph.position.file != nullptr)
+      open_files_.push_back(canonical(*graph.position.file));
+    const Instance system = read_system(graph, "", directory, placed);
+    const std::vector<std::size_t> order = evaluation_order();
+    check_connections(order);
     if (diagnostics_.size() != errors) return std::nullopt;
-    return finish(graph, order, outputs);
+    return finish(graph, order, system.outputs);
   }
 
  private:
   using Scope = std::map<std::string, Instance, std::less<>>;
 
-  std::vector<std::size_t> read_system(const Node& graph, const std::string& prefix,
-                                       const std::filesystem::path& directory,
-                                       const std::vector<PlacedOverride>& overrides);
+  Instance read_system(const Node& graph, const std::string& prefix,
+                       const std::filesystem::path& directory,
+                       const std::vector<PlacedOverride>& overrides);
   void read_constants(const Node* constants_node, const std::string& prefix,
                       const std::filesystem::path& directory,
                       const std::vector<PlacedOverride>& overrides, Constants& constants);
@@ -90,33 +160,38 @@ class PlanBuilder {
   Instance read_nested(const Node& key, const Node& module, const std::string& prefix,
                        const std::filesystem::path& directory, const Constants& constants,
                        const std::vector<PlacedOverride>& overrides);
+  Instance read_system_file(const Node& key, const Node& file, const std::filesystem::path& path,
+                            const std::string& prefix,
+                            const std::vector<PlacedOverride>& overrides);
   void read_parameters(const Node& module, const Constants& constants,
                        const std::map<std::string, const Constants*>& override_constants,
                        PlanNode& node);
   void read_parameter(const Node& value, std::size_t component, const Constants& constants,
                       PlanNode& node);
-  std::optional<ModuleTime> read_time(const Node& node);
-  std::vector<PlanInput> wire(const Expression& expression, const std::vector<PlanInput>& feed,
-                              Scope& scope);
-  std::vector<PlanInput> wire_name(const Expression& expression, const std::vector<PlanInput>& feed,
-                                   Scope& scope);
-  void check_connected();
+  Flow wire(const Expression& expression, const Flow& feed, Scope& scope);
+  Flow wire_name(const Expression& expression, const Flow& feed, Scope& scope);
+  void connect(std::size_t node, const Expression& expression, const Flow& feed);
+  void check_used(const Expression& network, const Scope& scope);
   std::vector<std::size_t> evaluation_order();
+  void report_cycles(const std::vector<std::size_t>& waiting_for);
   void check_connections(const std::vector<std::size_t>& order);
+  void check_input(std::size_t node, std::size_t input);
   std::optional<Plan> finish(const Node& graph, const std::vector<std::size_t>& order,
                              const std::vector<std::size_t>& outputs);
 
   const Registry& registry_;
   Diagnostics& diagnostics_;
   std::vector<PlanNode> nodes_;
-  std::vector<Position> connected_at_;  ///< of each node; line 0 while it is not
+  std::vector<Connection> connections_;  ///< of each node
   SourceOwners owners_;  ///< of constants and parameters; node owners come first later
   std::vector<std::filesystem::path> open_files_;
+  std::size_t systems_read_ = 0;
 };
 
-std::vector<std::size_t> PlanBuilder::read_system(const Node& graph, const std::string& prefix,
-                                                  const std::filesystem::path& directory,
-                                                  const std::vector<PlacedOverride>& overrides) {
+Instance PlanBuilder::read_system(const Node& graph, const std::string& prefix,
+                                  const std::filesystem::path& directory,
+                                  const std::vector<PlacedOverride>& overrides) {
+  const Instance unread{.counted = false};
   static const std::vector<std::string> known = {"ilss", "description", "constants", "modules",
                                                  "network"};
   static const std::vector<std::string> later = {"commands", "tests",  "monitors",
@@ -126,7 +201,7 @@ std::vector<std::size_t> PlanBuilder::read_system(const Node& graph, const std::
                      "expected a graph: a map with the keys ilss, modules and "
                      "network, got " +
                          graph.description());
-    return {};
+    return unread;
   }
   for (const Node& key : graph.keys) {
     if (std::find(known.begin(), known.end(), key.text) != known.end()) continue;
@@ -151,7 +226,7 @@ std::vector<std::size_t> PlanBuilder::read_system(const Node& graph, const std::
   if (modules == nullptr || !modules->is_map()) {
     diagnostics_.add(modules == nullptr ? graph.position : modules->position,
                      "a graph needs modules: a map of names to modules");
-    return {};
+    return unread;
   }
   for (const PlacedOverride& o : overrides)
     if (o.path.front() != "constants" && modules->find(o.path.front()) == nullptr) {
@@ -186,16 +261,31 @@ std::vector<std::size_t> PlanBuilder::read_system(const Node& graph, const std::
     diagnostics_.add(graph.position,
                      "a graph needs a network: a module's name, serial: [...] or "
                      "combine: [...]");
-    return {};
+    return unread;
   }
-  std::vector<std::size_t> outputs;
   const Expression expression = read_expression(*network, diagnostics_);
-  for (const PlanInput& output : wire(expression, {}, scope)) outputs.push_back(output.node);
-  for (const auto& [name, instance] : scope)
-    if (!instance.used)
+  const Flow flow = wire(expression, {}, scope);
+  check_used(expression, scope);
+  Instance system{.outputs = {}, .counted = flow.counted};
+  for (const PlanInput& output : flow.outputs) system.outputs.push_back(output.node);
+  return system;
+}
+
+void PlanBuilder::check_used(const Expression& network, const Scope& scope) {
+  for (const auto& [name, instance] : scope) {
+    if (!instance.used && !network.hides_names)
       diagnostics_.add(instance.position,
                        fmt::format("module '{}' is not used in the network", name));
-  return outputs;
+    if (!instance.used || instance.nested || instance.outputs.front() == unknown_node) continue;
+    const std::size_t index = instance.outputs.front();
+    const PlanNode& node = nodes_[index];
+    if (connections_[index].made || node.interface.inputs.empty()) continue;
+    std::vector<std::string> names;
+    for (const InputDeclaration& input : node.interface.inputs)
+      names.push_back(fmt::format("{} ({})", input.name, input.payload->name));
+    diagnostics_.add(node.position, fmt::format("'{}' has unconnected inputs: {}", node.name,
+                                                fmt::join(names, ", ")));
+  }
 }
 
 void PlanBuilder::read_constants(const Node* constants_node, const std::string& prefix,
@@ -212,7 +302,7 @@ void PlanBuilder::read_constants(const Node* constants_node, const std::string& 
   for (const PlacedOverride& o : overrides) {
     if (o.path.front() != "constants") continue;
     const std::span<const std::string> path = std::span(o.path).subspan(1);
-    if (path.size() != 1 || map.find(path.front()) == nullptr) {
+    if (path.empty() || map.find(path.front()) == nullptr) {
       std::vector<std::string> names;
       for (const Node& key : map.keys) names.push_back(key.text);
       const std::string name = path.empty() ? "" : path.front();
@@ -264,12 +354,12 @@ Instance PlanBuilder::read_module(const Node& key, Node module, const std::strin
   }
   const std::size_t index = nodes_.size();
   PlanNode& node = nodes_.emplace_back();
-  connected_at_.emplace_back();
+  connections_.emplace_back();
   node.name = prefix + key.text;
   node.type = type;
   node.position = key.position;
   node.settings.directory = directory;
-  if (const Node* time = module.find("time")) node.time = read_time(*time);
+  if (const Node* time = module.find("time")) node.time = read_module_time(*time, diagnostics_);
   // `type` and `time` belong to every module; the rest is the type's own.
   for (const char* own : {"type", "time"}) {
     const auto found = std::find_if(module.keys.begin(), module.keys.end(),
@@ -292,9 +382,7 @@ Instance PlanBuilder::read_nested(const Node& key, const Node& module, const std
                                   const std::filesystem::path& directory,
                                   const Constants& constants,
                                   const std::vector<PlacedOverride>& overrides) {
-  Instance instance;
-  instance.nested = true;
-  instance.position = key.position;
+  Instance instance{.counted = false, .nested = true, .position = key.position};
   const Node& type = *module.find("type");
   const Node* file = type.find("ilss");
   if (file == nullptr || !file->is_scalar() || type.size() != 1) {
@@ -318,59 +406,33 @@ Instance PlanBuilder::read_nested(const Node& key, const Node& module, const std
   below.insert(below.end(), overrides.begin(), overrides.end());
 
   const std::filesystem::path path = directory / file->text;
-  std::error_code ignored;
-  const std::filesystem::path canonical = std::filesystem::weakly_canonical(path, ignored);
-  constexpr std::size_t deepest_nesting = 32;
-  if (std::find(open_files_.begin(), open_files_.end(), canonical) != open_files_.end() ||
-      open_files_.size() >= deepest_nesting) {
+  open_files_.push_back(canonical(path));
+  if (std::count(open_files_.begin(), open_files_.end(), open_files_.back()) > 1)
     diagnostics_.add(file->position, fmt::format("'{}' contains itself", file->text));
-    return instance;
-  }
-  const std::size_t errors = diagnostics_.size();
-  const Node graph = read_document(path, diagnostics_);
-  if (diagnostics_.size() != errors && graph.is_null()) {
+  else if (open_files_.size() > deepest_nesting || ++systems_read_ > most_systems)
     diagnostics_.add(file->position,
-                     fmt::format("the nested system '{}' cannot be read", file->text));
-    return instance;
-  }
-  open_files_.push_back(canonical);
-  instance.outputs = read_system(graph, prefix + key.text + ".", path.parent_path(), below);
+                     fmt::format("a graph holds at most {} systems, nested at most {} deep",
+                                 most_systems, deepest_nesting));
+  else
+    instance = read_system_file(key, *file, path, prefix, below);
   open_files_.pop_back();
   return instance;
 }
 
-std::optional<ModuleTime> PlanBuilder::read_time(const Node& node) {
-  const auto read = [&](const Node& value) -> std::optional<double> {
-    const auto seconds =
-        value.is_scalar()
-            ? parse_quantity(value.text, "s")
-            : std::variant<double, std::string>("expected a time (s), got " + value.description());
-    if (const auto* error = std::get_if<std::string>(&seconds)) {
-      diagnostics_.add(value.position, *error);
-      return std::nullopt;
-    }
-    if (std::get<double>(seconds) < 0) {
-      diagnostics_.add(value.position, "a time cannot be negative");
-      return std::nullopt;
-    }
-    return std::get<double>(seconds);
-  };
-  if (node.is_scalar()) {
-    const auto seconds = read(node);
-    if (!seconds) return std::nullopt;
-    return ModuleTime{*seconds, *seconds};
-  }
-  const Node* typical = node.is_map() ? node.find("typical") : nullptr;
-  const Node* worst = node.is_map() ? node.find("worst") : nullptr;
-  if (typical == nullptr || worst == nullptr || node.size() != 2) {
-    diagnostics_.add(node.position, "expected a time, or {typical: TIME, worst: TIME}");
-    return std::nullopt;
-  }
-  const auto a = read(*typical);
-  const auto b = read(*worst);
-  if (!a || !b) return std::nullopt;
-  if (*b < *a) diagnostics_.add(worst->position, "the worst time is shorter than the typical one");
-  return ModuleTime{*a, *b};
+Instance PlanBuilder::read_system_file(const Node& key, const Node& file,
+                                       const std::filesystem::path& path, const std::string& prefix,
+                                       const std::vector<PlacedOverride>& overrides) {
+  const std::size_t errors = diagnostics_.size();
+  const Node graph = read_document(path, diagnostics_);
+  Instance instance{.counted = false};
+  if (diagnostics_.size() != errors && graph.is_null())
+    diagnostics_.add(file.position,
+                     fmt::format("the nested system '{}' cannot be read", file.text));
+  else
+    instance = read_system(graph, prefix + key.text + ".", path.parent_path(), overrides);
+  instance.nested = true;
+  instance.position = key.position;
+  return instance;
 }
 
 void PlanBuilder::read_parameters(const Node& module, const Constants& constants,
@@ -380,13 +442,7 @@ void PlanBuilder::read_parameters(const Node& module, const Constants& constants
   node.parameters = Estimate(parameters);
   for (std::size_t i = 0; i < parameters.dimension(); ++i) {
     const Component& component = parameters.components[i];
-    const Node* value = &module;
-    for (std::string_view rest = component.name; value != nullptr;) {
-      const std::size_t dot = rest.find('.');
-      value = value->is_map() ? value->find(rest.substr(0, dot)) : nullptr;
-      if (dot == std::string_view::npos) break;
-      rest.remove_prefix(dot + 1);
-    }
+    const Node* value = find_parameter(module, component.name, diagnostics_);
     if (value == nullptr || value->is_null()) {
       if (!component.default_value)
         diagnostics_.add(module.position,
@@ -394,10 +450,9 @@ void PlanBuilder::read_parameters(const Node& module, const Constants& constants
                                      node.type->name, dimension_name(component.unit)));
       continue;
     }
-    const auto overridden = override_constants.find(component.name);
-    const Constants* names = overridden != override_constants.end() && overridden->second != nullptr
-                                 ? overridden->second
-                                 : &constants;
+    const Constants* names = &constants;
+    for (const auto& [path, theirs] : override_constants)
+      if (theirs != nullptr && is_at_or_below(component.name, path)) names = theirs;
     read_parameter(*value, i, *names, node);
   }
 }
@@ -435,83 +490,75 @@ void PlanBuilder::read_parameter(const Node& value, std::size_t component,
                               si->scale * *quantity->standard_deviation);
 }
 
-std::vector<PlanInput> PlanBuilder::wire(const Expression& expression,
-                                         const std::vector<PlanInput>& feed, Scope& scope) {
+Flow PlanBuilder::wire(const Expression& expression, const Flow& feed, Scope& scope) {
   switch (expression.kind) {
     case Expression::Kind::name:
-      return expression.name.empty() ? std::vector<PlanInput>{}
-                                     : wire_name(expression, feed, scope);
+      return wire_name(expression, feed, scope);
     case Expression::Kind::serial: {
-      std::vector<PlanInput> flow = feed;
+      Flow flow = feed;
       for (const Expression& part : expression.parts) flow = wire(part, flow, scope);
       return flow;
     }
     case Expression::Kind::combine: {
-      std::vector<PlanInput> side_by_side;
-      for (const Expression& part : expression.parts)
-        for (PlanInput output : wire(part, feed, scope)) {
+      Flow side_by_side;
+      for (const Expression& part : expression.parts) {
+        const Flow flow = wire(part, feed, scope);
+        side_by_side.counted &= flow.counted;
+        for (PlanInput output : flow.outputs) {
           if (expression.max_age)
-            output.max_age = output.max_age ? std::min(*output.max_age, *expression.max_age)
-                                            : *expression.max_age;
-          side_by_side.push_back(output);
+            output.max_age = std::min(output.max_age.value_or(*expression.max_age),  //
+                                      *expression.max_age);
+          side_by_side.outputs.push_back(output);
         }
+      }
       return side_by_side;
     }
+    case Expression::Kind::unread:
+      for (const Expression& part : expression.parts)
+        wire(part, {.outputs = {}, .counted = false}, scope);
+      break;
   }
-  return {};
+  return {.outputs = {}, .counted = false};
 }
 
-std::vector<PlanInput> PlanBuilder::wire_name(const Expression& expression,
-                                              const std::vector<PlanInput>& feed, Scope& scope) {
+Flow PlanBuilder::wire_name(const Expression& expression, const Flow& feed, Scope& scope) {
   const auto found = scope.find(expression.name);
   if (found == scope.end()) {
     std::vector<std::string> names;
     for (const auto& [name, instance] : scope) names.push_back(name);
     diagnostics_.add(expression.position, fmt::format("there is no module '{}'{}", expression.name,
                                                       suggestion(expression.name, names)));
-    return {};
+    return {.outputs = {{unknown_node}}};
   }
   Instance& instance = found->second;
   instance.used = true;
-  std::vector<PlanInput> outputs;
-  for (const std::size_t node : instance.outputs) outputs.push_back({node});
-  if (feed.empty() || instance.outputs.empty()) return outputs;
-  if (instance.nested) {
+  Flow flow{.outputs = {}, .counted = instance.counted};
+  for (const std::size_t node : instance.outputs) flow.outputs.push_back({node});
+  if (feed.outputs.empty() && feed.counted) return flow;
+  if (instance.nested && !feed.outputs.empty())
     diagnostics_.add(expression.position,
                      fmt::format("'{}' is a system without inputs and cannot stand after another "
                                  "module",
                                  expression.name));
-    return outputs;
-  }
-  const std::size_t index = instance.outputs.front();
-  PlanNode& node = nodes_[index];
-  Position& connected_at = connected_at_[index];
-  if (connected_at.line != 0) {
-    const bool same = std::equal(node.inputs.begin(), node.inputs.end(), feed.begin(), feed.end(),
-                                 [](const PlanInput& a, const PlanInput& b) {
-                                   return a.node == b.node && a.max_age == b.max_age;
-                                 });
-    if (!same)
-      diagnostics_.add(expression.position,
-                       fmt::format("'{}' has its inputs already from line {}; an instance is "
-                                   "evaluated once a tick",
-                                   expression.name, connected_at.line));
-    return outputs;
-  }
-  connected_at = expression.position;
-  node.inputs = feed;
-  return outputs;
+  else if (!instance.nested && instance.outputs.front() != unknown_node)
+    connect(instance.outputs.front(), expression, feed);
+  return flow;
 }
 
-void PlanBuilder::check_connected() {
-  for (const PlanNode& node : nodes_) {
-    if (!node.inputs.empty() || node.interface.inputs.empty()) continue;
-    std::vector<std::string> names;
-    for (const InputDeclaration& input : node.interface.inputs)
-      names.push_back(fmt::format("{} ({})", input.name, input.payload->name));
-    diagnostics_.add(node.position, fmt::format("'{}' has unconnected inputs: {}", node.name,
-                                                fmt::join(names, ", ")));
+void PlanBuilder::connect(std::size_t node, const Expression& expression, const Flow& feed) {
+  Connection& connection = connections_[node];
+  std::vector<PlanInput>& inputs = nodes_[node].inputs;
+  if (!connection.made) {
+    connection = {true, feed.counted, expression.position};
+    inputs = feed.outputs;
+    return;
   }
+  if (!knows_all({inputs, connection.counted}) || !knows_all(feed)) return;
+  if (!same_inputs(inputs, feed.outputs))
+    diagnostics_.add(expression.position,
+                     fmt::format("'{}' has its inputs already from line {}; an instance is "
+                                 "evaluated once a tick",
+                                 expression.name, connection.position.line));
 }
 
 std::vector<std::size_t> PlanBuilder::evaluation_order() {
@@ -519,8 +566,11 @@ std::vector<std::size_t> PlanBuilder::evaluation_order() {
   std::vector<std::size_t> waiting_for(nodes_.size(), 0);
   std::vector<std::vector<std::size_t>> consumers(nodes_.size());
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    waiting_for[i] = nodes_[i].inputs.size();
-    for (const PlanInput& input : nodes_[i].inputs) consumers[input.node].push_back(i);
+    for (const PlanInput& input : nodes_[i].inputs) {
+      if (input.node == unknown_node) continue;
+      ++waiting_for[i];
+      consumers[input.node].push_back(i);
+    }
   }
   std::priority_queue<std::size_t, std::vector<std::size_t>, std::greater<>> ready;
   for (std::size_t i = 0; i < nodes_.size(); ++i)
@@ -534,68 +584,94 @@ std::vector<std::size_t> PlanBuilder::evaluation_order() {
       if (--waiting_for[consumer] == 0) ready.push(consumer);
   }
   if (order.size() == nodes_.size()) return order;
-  // Walking back along nodes that still wait ends in the cycle.
-  std::size_t at = 0;
-  while (waiting_for[at] == 0) ++at;
-  std::vector<std::size_t> path;
-  while (std::find(path.begin(), path.end(), at) == path.end()) {
-    path.push_back(at);
-    for (const PlanInput& input : nodes_[at].inputs)
-      if (waiting_for[input.node] != 0) {
-        at = input.node;
-        break;
-      }
-  }
-  std::vector<std::string> names = {nodes_[at].name};
-  for (std::size_t i = path.size(); i-- > 0;) {
-    names.push_back(nodes_[path[i]].name);
-    if (path[i] == at) break;
-  }
-  diagnostics_.add(connected_at_[at], fmt::format("a cycle: {}", fmt::join(names, " -> ")));
+  report_cycles(waiting_for);
+  // What waits for a cycle still has its connections checked.
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    if (waiting_for[i] != 0) order.push_back(i);
   return order;
+}
+
+void PlanBuilder::report_cycles(const std::vector<std::size_t>& waiting_for) {
+  // Walking back along nodes that still wait ends in a cycle, or where an earlier walk has been.
+  std::vector<std::size_t> walk_of(nodes_.size(), 0);
+  for (std::size_t start = 0; start < nodes_.size(); ++start) {
+    std::vector<std::size_t> path;
+    std::size_t at = start;
+    while (waiting_for[at] != 0 && walk_of[at] == 0) {
+      walk_of[at] = start + 1;
+      path.push_back(at);
+      for (const PlanInput& input : nodes_[at].inputs)
+        if (input.node != unknown_node && waiting_for[input.node] != 0) {
+          at = input.node;
+          break;
+        }
+    }
+    if (path.empty() || walk_of[at] != start + 1) continue;
+    std::vector<std::string> names = {nodes_[at].name};
+    for (std::size_t i = path.size(); i-- > 0;) {
+      names.push_back(nodes_[path[i]].name);
+      if (path[i] == at) break;
+    }
+    diagnostics_.add(connections_[at].position,
+                     fmt::format("a cycle: {}", fmt::join(names, " -> ")));
+  }
 }
 
 void PlanBuilder::check_connections(const std::vector<std::size_t>& order) {
   for (const std::size_t index : order) {
     PlanNode& node = nodes_[index];
     const std::vector<InputDeclaration>& declared = node.interface.inputs;
+    const Connection& connection = connections_[index];
     const bool repeated = !declared.empty() && declared.back().repeated;
     const std::size_t given = node.inputs.size();
-    if (given != 0 && (repeated ? given < declared.size() : given != declared.size())) {
+    if (connection.counted && given != 0 &&
+        (repeated ? given < declared.size() : given != declared.size())) {
       std::vector<std::string> names;
-      for (const PlanInput& input : node.inputs) names.push_back(nodes_[input.node].name);
-      diagnostics_.add(connected_at_[index],
+      for (const PlanInput& input : node.inputs)
+        names.push_back(input.node == unknown_node ? "?" : nodes_[input.node].name);
+      diagnostics_.add(connection.position,
                        fmt::format("'{}' ({}) has {}{} input{}, but is fed by {}: {}", node.name,
                                    node.type->name, repeated ? "at least " : "", declared.size(),
                                    declared.size() == 1 ? "" : "s", given, fmt::join(names, ", ")));
     }
-    for (std::size_t i = 0; i < given && !declared.empty(); ++i) {
-      const InputDeclaration& input = declared[std::min(i, declared.size() - 1)];
-      const PlanNode& producer = nodes_[node.inputs[i].node];
-      if (producer.interface.output->name != input.payload->name)
-        diagnostics_.add(connected_at_[index],
-                         fmt::format("'{}' gives {}, but input '{}' of '{}' takes {}",
-                                     producer.name, producer.interface.output->name, input.name,
-                                     node.name, input.payload->name));
-      else if (!input.frame.empty() && !producer.frame.empty() && producer.frame != input.frame)
-        diagnostics_.add(connected_at_[index],
-                         fmt::format("'{}' gives {} in frame '{}', but input '{}' of '{}' is in "
-                                     "frame '{}'; put a transform between them",
-                                     producer.name, input.payload->name, producer.frame, input.name,
-                                     node.name, input.frame));
-      else if (i > 0 && input.frame.empty() && declared.front().frame.empty() &&
-               producer.frame != nodes_[node.inputs.front().node].frame)
-        diagnostics_.add(
-            connected_at_[index],
-            fmt::format("'{}' is in frame '{}', but '{}' in frame '{}'; inputs of '{}' "
-                        "must share a frame",
-                        nodes_[node.inputs[0].node].name, nodes_[node.inputs[0].node].frame,
-                        producer.name, producer.frame, node.name));
-    }
+    for (std::size_t i = 0; connection.counted && i < given && !declared.empty(); ++i)
+      if ((repeated || i < declared.size()) && node.inputs[i].node != unknown_node)
+        check_input(index, i);
     node.frame = node.interface.frame;
     const auto from = node.interface.frame_of_input;
-    if (node.frame.empty() && from && *from < given)
+    if (node.frame.empty() && from && connection.counted && *from < given &&
+        node.inputs[*from].node != unknown_node)
       node.frame = nodes_[node.inputs[*from].node].frame;
+  }
+}
+
+void PlanBuilder::check_input(std::size_t index, std::size_t i) {
+  const PlanNode& node = nodes_[index];
+  const Position& position = connections_[index].position;
+  const std::vector<InputDeclaration>& declared = node.interface.inputs;
+  const InputDeclaration& input = declared[std::min(i, declared.size() - 1)];
+  const PlanNode& producer = nodes_[node.inputs[i].node];
+  if (producer.interface.output->name != input.payload->name)
+    return diagnostics_.add(position, fmt::format("'{}' gives {}, but input '{}' of '{}' takes {}",
+                                                  producer.name, producer.interface.output->name,
+                                                  input.name, node.name, input.payload->name));
+  if (producer.frame.empty()) return;  // not known, or its numbers have no place in space
+  if (!input.frame.empty() && producer.frame != input.frame)
+    return diagnostics_.add(
+        position, fmt::format("'{}' gives {} in frame '{}', but input '{}' of '{}' is in frame "
+                              "'{}'; put a transform between them",
+                              producer.name, input.payload->name, producer.frame, input.name,
+                              node.name, input.frame));
+  if (!input.frame.empty()) return;
+  for (std::size_t j = 0; j < i; ++j) {
+    const InputDeclaration& earlier = declared[std::min(j, declared.size() - 1)];
+    if (node.inputs[j].node == unknown_node || !earlier.frame.empty()) continue;
+    const PlanNode& other = nodes_[node.inputs[j].node];
+    if (other.frame.empty() || other.frame == producer.frame) continue;
+    return diagnostics_.add(
+        position, fmt::format("'{}' is in frame '{}', but '{}' in frame '{}'; inputs of '{}' must "
+                              "share a frame",
+                              other.name, other.frame, producer.name, producer.frame, node.name));
   }
 }
 

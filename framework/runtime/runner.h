@@ -1,0 +1,77 @@
+// A plan at work with its instruments: how long each module takes, and how often it gives what.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "framework/graph/profile.h"
+#include "framework/graph/system.h"
+#include "framework/runtime/cycle_clock.h"
+#include "framework/runtime/latency_histogram.h"
+
+namespace ilss {
+
+/// How often a module had which outcome; faults that came from above are counted, too.
+struct OutcomeCounts {
+  static constexpr std::size_t fault_kinds = static_cast<std::size_t>(FaultKind::internal) + 1;
+
+  std::uint64_t outputs = 0;
+  std::uint64_t pending = 0;
+  std::array<std::uint64_t, fault_kinds> faults_by_kind = {};
+
+  std::uint64_t faults(FaultKind kind) const {
+    return faults_by_kind[static_cast<std::size_t>(kind)];
+  }
+  std::uint64_t faults() const {
+    std::uint64_t sum = 0;
+    for (const std::uint64_t count : faults_by_kind) sum += count;
+    return sum;
+  }
+};
+
+/// Runs a plan tick by tick in the caller's thread, and measures it. The clock is read once at a
+/// tick's start and once after each module, so a module's time holds what it takes to get at its
+/// inputs, and all modules' times add up to the tick's. No memory is allocated from tick to tick.
+class Runner {
+ public:
+  /// The plan must outlive the runner. Random numbers follow from `seed`, as System says.
+  explicit Runner(const Plan& plan, std::uint64_t seed = 0, Folding folding = Folding::per_owner);
+
+  /// Evaluates the next tick at `time` (s since the start; must not run backwards).
+  void step(double time);
+
+  System& system() { return system_; }
+  const System& system() const { return system_; }
+
+  /// What a module took in the last tick (ns), also where it had nothing to do.
+  std::uint64_t compute_ns(std::size_t node) const { return compute_ns_[node]; }
+  /// What the whole last tick took (ns).
+  std::uint64_t compute_ns() const { return tick_ns_; }
+
+  /// A module's times over the ticks in which it gave an output or a fault of its own; those in
+  /// which it was pending, or its inputs were at fault, say nothing of it.
+  const LatencyHistogram& latency(std::size_t node) const { return latencies_[node]; }
+  /// The times of whole ticks.
+  const LatencyHistogram& end_to_end() const { return end_to_end_; }
+  const OutcomeCounts& outcomes(std::size_t node) const { return outcomes_[node]; }
+
+  /// The modules' measured times: typical is the median, worst what one tick in 1,000 exceeds (the
+  /// maximum of fewer ticks), so that in a long run a single interruption by the operating system
+  /// does not decide. Modules that never worked are left out.
+  Profile profile() const;
+
+ private:
+  void record(std::size_t node);
+
+  System system_;
+  const CycleClock& clock_;
+  std::vector<std::uint64_t> readings_;  ///< of the clock: before the first module, after each
+  std::vector<std::uint64_t> compute_ns_;
+  std::vector<LatencyHistogram> latencies_;
+  std::vector<OutcomeCounts> outcomes_;
+  LatencyHistogram end_to_end_;
+  std::uint64_t tick_ns_ = 0;
+};
+
+}  // namespace ilss
