@@ -1,7 +1,250 @@
+// `ilss run`: a system over its input, with its instruments.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <csignal>
+#include <fstream>
+
+#include "framework/estimate/units.h"
+#include "framework/runtime/agreement.h"
+#include "framework/runtime/runner.h"
+#include "src/estimate_json.h"
+#include "src/estimate_text.h"
 #include "src/session.h"
 
 namespace ilss {
+namespace {
 
-void add_run(CLI::App& app, Session& session) { (void)app, (void)session; }
+volatile std::sig_atomic_t interrupted = 0;
+
+struct Arguments {
+  std::string graph;
+  std::vector<std::string> sets;
+  std::int64_t ticks = 1000;
+  std::string period = "100 ms";
+  std::uint64_t seed = 1;
+  std::string profile;
+  bool json = false;
+  bool quiet = false;
+};
+
+/// What the summary tells of one output beyond its outcomes.
+struct OutputSummary {
+  std::uint64_t outputs = 0;
+  std::vector<double> variance_sum;
+};
+
+/// The first node whose source has come to its end or cannot be read any more, if any.
+std::optional<std::size_t> find_fault(const System& system, FaultKind kind) {
+  for (std::size_t i = 0; i < system.size(); ++i)
+    if (system.node(i).outcome.is_fault() && system.node(i).outcome.fault().kind == kind) return i;
+  return std::nullopt;
+}
+
+Json tick_json(const Runner& runner, double time) {
+  const System& system = runner.system();
+  const Plan& plan = system.plan();
+  const auto [outcome, at] = system_outcome(system);
+  Json json = {{"tick", system.ticks() - 1}, {"time", time}, {"outcome", outcome_name(*outcome)}};
+  if (outcome->is_fault())
+    json["fault"] =
+        fault_json(outcome->fault(), plan.nodes[system.node(at).origin.value_or(at)].name);
+  json["output"] = outputs_json(system, plan.owners, judge(system));
+  Json modules = Json::object();
+  for (std::size_t i = 0; i < system.size(); ++i) {
+    const NodeState& state = system.node(i);
+    Json module = {{"outcome", outcome_name(state.outcome)},
+                   {"compute_ns", runner.compute_ns(i)},
+                   {"age_ns", nullptr}};
+    if (state.has_value) module["age_ns"] = std::llround((time - state.output.acquired) * 1e9);
+    if (state.outcome.is_fault())
+      module["fault"] =
+          fault_json(state.outcome.fault(), plan.nodes[state.origin.value_or(i)].name);
+    modules[plan.nodes[i].name] = std::move(module);
+  }
+  json["modules"] = std::move(modules);
+  return json;
+}
+
+void print_tick(const System& system, double time) {
+  const Plan& plan = system.plan();
+  std::string line = fmt::format("{:>6} {:>9.3f} s ", system.ticks() - 1, time);
+  if (plan.outputs.size() > 1) {
+    std::size_t given = 0;
+    for (const std::size_t output : plan.outputs)
+      given += system.node(output).outcome.has_output() ? 1U : 0U;
+    fmt::print("{} {} of {} outputs\n", line, given, plan.outputs.size());
+    return;
+  }
+  const NodeState& state = system.node(plan.outputs.front());
+  if (state.outcome.has_output()) {
+    const Estimate& estimate = state.output.estimate;
+    for (std::size_t i = 0; i < estimate.dimension(); ++i) {
+      const Component& component = estimate.type->components[i];
+      line += fmt::format(
+          " {} {}", component.name,
+          quantity_text(estimate.value[i], estimate.lineage.standard_deviation(i), component.unit));
+    }
+  } else if (state.outcome.is_fault()) {
+    line += fmt::format(" {} in {}: {}", fault_name(state.outcome.fault().kind),
+                        plan.nodes[state.origin.value_or(plan.outputs.front())].name,
+                        state.outcome.fault().message);
+  } else {
+    line += " pending";
+  }
+  fmt::print("{}\n", line);
+}
+
+void observe_outputs(const System& system, std::vector<OutputSummary>& summaries) {
+  for (std::size_t o = 0; o < summaries.size(); ++o) {
+    const NodeState& state = system.node(system.plan().outputs[o]);
+    if (!state.fresh) continue;
+    ++summaries[o].outputs;
+    summaries[o].variance_sum.resize(state.output.estimate.dimension(), 0.0);
+    for (std::size_t i = 0; i < summaries[o].variance_sum.size(); ++i)
+      summaries[o].variance_sum[i] += state.output.estimate.lineage.variance(i);
+  }
+}
+
+std::string fault_counts_text(const OutcomeCounts& counts) {
+  std::string text;
+  for (std::size_t kind = 0; kind < OutcomeCounts::fault_kinds; ++kind)
+    if (counts.faults_by_kind[kind] != 0)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", counts.faults_by_kind[kind],
+                          fault_name(static_cast<FaultKind>(kind)));
+  if (counts.pending != 0)
+    text += fmt::format("{}{} pending", text.empty() ? "" : ", ", counts.pending);
+  return text.empty() ? "-" : text;
+}
+
+void print_outputs(const Runner& runner, const std::vector<OutputSummary>& summaries) {
+  const Plan& plan = runner.system().plan();
+  fmt::print("\n{:<20} {:>8}  {:<40} stated std (root mean square)\n", "output", "outputs",
+             "faults");
+  for (std::size_t o = 0; o < summaries.size(); ++o) {
+    const std::size_t node = plan.outputs[o];
+    const auto& components = plan.nodes[node].interface.output->components;
+    std::string stated;
+    for (std::size_t i = 0; i < summaries[o].variance_sum.size(); ++i)
+      stated += fmt::format("{}{} {}", i == 0 ? "" : ", ", components[i].name,
+                            quantity_text(std::sqrt(summaries[o].variance_sum[i] /
+                                                    static_cast<double>(summaries[o].outputs)),
+                                          components[i].unit));
+    fmt::print("{:<20} {:>8}  {:<40} {}\n", plan.nodes[node].name, summaries[o].outputs,
+               fault_counts_text(runner.outcomes(node)), stated);
+  }
+}
+
+void print_agreement(const Agreement& agreement, const Plan& plan) {
+  if (agreement.pairs().empty()) return;
+  fmt::print("\n{:<20} {:<20} {:>9} {:>9}   (difference within its 95 % bound)\n", "output",
+             "and output", "compared", "agree");
+  for (const AgreementCount& pair : agreement.pairs())
+    if (pair.compared != 0)
+      fmt::print("{:<20} {:<20} {:>9} {:>9}\n", plan.nodes[plan.outputs[pair.first]].name,
+                 plan.nodes[plan.outputs[pair.second]].name, pair.compared, pair.agreed);
+  const AgreementCount total = agreement.total();
+  if (total.compared != 0)
+    fmt::print(
+        "all: {} of {} agree ({:.1f} %; 95 % would if errors are as stated and both see the "
+        "same)\n",
+        total.agreed, total.compared,
+        100.0 * static_cast<double>(total.agreed) / static_cast<double>(total.compared));
+}
+
+void print_latency(const Runner& runner) {
+  const Plan& plan = runner.system().plan();
+  const auto row = [](const std::string& name, const LatencySummary& s) {
+    const auto text = [](std::uint64_t ns) {
+      return duration_text(static_cast<double>(ns) * 1e-9);
+    };
+    fmt::print("{:<20} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}\n", name, s.count, text(s.p50),
+               text(s.p90), text(s.p99), text(s.p999), text(s.max));
+  };
+  fmt::print("\n{:<20} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "compute time", "ticks", "p50",
+             "p90", "p99", "p99.9", "max");
+  constexpr std::size_t most_rows = 60;
+  for (std::size_t i = 0; i < std::min(plan.nodes.size(), most_rows); ++i)
+    row(plan.nodes[i].name, runner.latency(i).summary());
+  if (plan.nodes.size() > most_rows)
+    fmt::print("... and {} more modules\n", plan.nodes.size() - most_rows);
+  row("end to end", runner.end_to_end().summary());
+}
+
+double read_period(const std::string& text) {
+  const auto period = parse_quantity(text, "s");
+  if (const auto* error = std::get_if<std::string>(&period))
+    fail(exit_bad_input, "--period: " + *error);
+  if (!(std::get<double>(period) > 0)) fail(exit_bad_input, "--period must be above 0");
+  return std::get<double>(period);
+}
+
+void write_profile_file(const std::string& path, const Runner& runner) {
+  std::ofstream file(path);
+  write_profile(runner.profile(), file);
+  if (!file.flush()) fail(exit_failed, fmt::format("cannot write the profile '{}'", path));
+}
+
+int run(const Arguments& arguments, Session& session) {
+  session.load_modules();
+  const double period = read_period(arguments.period);
+  if (arguments.ticks < 0) fail(exit_bad_input, "--ticks must not be negative");
+  const Plan plan = session.read_graph(arguments.graph, arguments.sets);
+  Runner runner(plan, arguments.seed);
+  Agreement agreement(plan);
+  std::vector<OutputSummary> summaries(plan.outputs.size());
+  std::signal(SIGINT, [](int) { interrupted = 1; });
+  bool ended = false;
+  std::int64_t tick = 0;
+  for (; (arguments.ticks == 0 || tick < arguments.ticks) && interrupted == 0; ++tick) {
+    const double time = static_cast<double>(tick) * period;
+    runner.step(time);
+    ended = find_fault(runner.system(), FaultKind::end_of_data).has_value();
+    if (ended) break;
+    observe_outputs(runner.system(), summaries);
+    agreement.observe(runner.system());
+    if (arguments.json)
+      fmt::print("{}\n", tick_json(runner, time).dump());
+    else if (!arguments.quiet)
+      print_tick(runner.system(), time);
+    if (const auto lost = find_fault(runner.system(), FaultKind::device_lost)) {
+      const NodeState& state = runner.system().node(*lost);
+      fmt::print(stderr, "ilss: the run cannot go on: '{}': {}\n",
+                 plan.nodes[state.origin.value_or(*lost)].name, state.outcome.fault().message);
+      return exit_failed;
+    }
+  }
+  if (!ended && interrupted == 0 && arguments.ticks == Arguments{}.ticks)
+    fmt::print(stderr,
+               "ilss: stopped after {} ticks; --ticks N goes on, --ticks 0 to the end of "
+               "the data\n",
+               tick);
+  if (!arguments.json) {
+    fmt::print("\n{} ticks{}\n", tick, ended ? ", to the end of the data" : "");
+    print_outputs(runner, summaries);
+    print_agreement(agreement, plan);
+    print_latency(runner);
+  }
+  if (!arguments.profile.empty()) write_profile_file(arguments.profile, runner);
+  return exit_fine;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, Session& session) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* verb = app.add_subcommand("run", "Run a system over its input");
+  verb->add_option("GRAPH", arguments->graph, "Graph file")->required();
+  add_set_option(*verb, arguments->sets);
+  verb->add_option("--ticks", arguments->ticks, "At most so many ticks; 0: to the end of the data")
+      ->capture_default_str();
+  verb->add_option("--period", arguments->period, "Time from tick to tick")->capture_default_str();
+  verb->add_option("--seed", arguments->seed, "Seed of all random numbers")->capture_default_str();
+  verb->add_option("--profile", arguments->profile, "Write the modules' measured times here")
+      ->type_name("FILE");
+  verb->add_flag("--quiet", arguments->quiet, "Print the summary only");
+  verb->add_flag("--json", arguments->json, "Print one JSON object a tick");
+  verb->callback([arguments, &session] { throw Exit{run(*arguments, session)}; });
+}
 
 }  // namespace ilss

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "framework/graph/profile.h"
 #include "sensors/register.h"
 
 namespace ilss {
@@ -31,7 +32,10 @@ Plan Session::read_graph(const std::filesystem::path& file, const std::vector<st
 }
 
 void Session::apply_profile_file(const std::filesystem::path& file, Plan& plan) {
-  (void)file, (void)plan;
+  Diagnostics diagnostics;
+  const Profile profile = read_profile(file, diagnostics);
+  apply_profile(profile, plan, diagnostics);
+  if (!diagnostics.empty()) report_and_exit(diagnostics);
 }
 
 void add_set_option(CLI::App& verb, std::vector<std::string>& sets) {

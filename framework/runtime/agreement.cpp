@@ -1,0 +1,40 @@
+#include "framework/runtime/agreement.h"
+
+#include "framework/estimate/consistency.h"
+
+namespace ilss {
+
+Agreement::Agreement(const Plan& plan) {
+  const std::size_t count = plan.outputs.size();
+  for (std::size_t i = 0; i + 1 < count + (count > 2 ? 1 : 0); ++i) {
+    const std::size_t next = (i + 1) % count;
+    const PlanNode& a = plan.nodes[plan.outputs[i]];
+    const PlanNode& b = plan.nodes[plan.outputs[next]];
+    if (a.interface.output->name == b.interface.output->name && a.frame == b.frame &&
+        a.interface.output->dimension() > 0)
+      pairs_.push_back({i, next});
+  }
+}
+
+void Agreement::observe(const System& system) {
+  for (AgreementCount& pair : pairs_) {
+    const NodeState& a = system.node(system.plan().outputs[pair.first]);
+    const NodeState& b = system.node(system.plan().outputs[pair.second]);
+    if (!a.fresh || !b.fresh) continue;
+    const NormalizedError innovation = nis(a.output.estimate, b.output.estimate);
+    if (innovation.rank == 0) continue;
+    ++pair.compared;
+    if (innovation.value <= chi_square_quantile(innovation.rank, probability)) ++pair.agreed;
+  }
+}
+
+AgreementCount Agreement::total() const {
+  AgreementCount sum{0, 0};
+  for (const AgreementCount& pair : pairs_) {
+    sum.compared += pair.compared;
+    sum.agreed += pair.agreed;
+  }
+  return sum;
+}
+
+}  // namespace ilss
