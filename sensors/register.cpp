@@ -1,5 +1,8 @@
 #include "sensors/register.h"
 
+#include "sensors/camera/camera.h"
+#include "sensors/camera/target_points.h"
+#include "sensors/camera/vision_line.h"
 #include "sensors/scene/scene_wall.h"
 #include "sensors/sonar/sonar.h"
 #include "sensors/wall/planar_transform.h"
@@ -9,9 +12,12 @@
 namespace ilss {
 
 void register_sensors(Registry& registry) {
+  registry.add<Camera>();
   registry.add<PlanarTransform>();
   registry.add<SceneWall>();
   registry.add<Sonar>();
+  registry.add<TargetPoints>();
+  registry.add<VisionLine>();
   registry.add<WallPoseModule>();
   registry.add<WedgeSonarLine>();
 }
