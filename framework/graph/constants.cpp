@@ -5,48 +5,70 @@
 #include "framework/estimate/units.h"
 
 namespace ilss {
+namespace {
+
+bool is_name(std::string_view name) {
+  return !name.empty() && name.find_first_of(". $") == std::string_view::npos;
+}
+
+}  // namespace
 
 void Constants::read(const Node& map, const std::string& prefix,
                      const std::filesystem::path& directory, const Constants* outer,
                      SourceOwners& owners, Diagnostics& diagnostics) {
   for (std::size_t i = 0; i < map.size(); ++i) {
+    const std::size_t errors = diagnostics.size();
     const std::string& name = map.keys[i].text;
-    const Node* value = &map.values[i];
-    Node file;
-    if (value->is_scalar() && value->text.starts_with('$')) {
-      const auto* target = outer != nullptr ? outer->find(value->text.substr(1)) : nullptr;
-      if (target != nullptr)
-        elements_[name] = *target;
-      else if (outer != nullptr)
-        outer->report_unknown(*value, diagnostics);
-      else
-        diagnostics.add(value->position, "a constant cannot refer to another constant");
-      continue;
+    const Node& value = map.values[i];
+    const Node* path = value.is_map() && value.size() == 1 ? value.find("file") : nullptr;
+    if (!is_name(name)) {
+      diagnostics.add(
+          map.keys[i].position,
+          fmt::format("'{}' cannot name a constant: names have no dots, spaces or $", name));
+    } else if (value.is_scalar() && value.text.starts_with('$')) {
+      refer(name, value, outer, diagnostics);
+    } else if (path != nullptr && !path->is_scalar()) {
+      diagnostics.add(path->position, "expected a path, got " + path->description());
+    } else if (path != nullptr) {
+      const Node file = read_document(directory / path->text, diagnostics);
+      if (diagnostics.size() == errors) read_one(name, file, prefix, owners, diagnostics);
+    } else {
+      read_one(name, value, prefix, owners, diagnostics);
     }
-    if (value->is_map() && value->size() == 1 && value->find("file") != nullptr) {
-      const Node& path = value->values.front();
-      if (!path.is_scalar()) {
-        diagnostics.add(path.position, "expected a path, got " + path.description());
-        continue;
-      }
-      file = read_document(directory / path.text, diagnostics);
-      if (!file.is_map()) continue;
-      value = &file;
-    }
-    if (value->is_map() && value->find("value") != nullptr && value->find("value")->is_map()) {
-      read_vector(name, *value, prefix, owners, diagnostics);
-      continue;
-    }
-    const auto quantity = read_quantity(*value, diagnostics);
-    if (!quantity) continue;
-    ConstantElement element{*quantity};
-    if (quantity->standard_deviation) {
-      element.owner = static_cast<std::uint32_t>(owners.size());
-      element.factor = {*quantity->standard_deviation};
-      owners.push_back({prefix + name, true});
-    }
-    elements_[name] = std::move(element);
+    if (diagnostics.size() != errors) unread_.insert(name);
   }
+}
+
+void Constants::read_one(const std::string& name, const Node& value, const std::string& prefix,
+                         SourceOwners& owners, Diagnostics& diagnostics) {
+  const Node* inner = value.is_map() ? value.find("value") : nullptr;
+  if (inner != nullptr && inner->is_map())
+    return read_vector(name, value, prefix, owners, diagnostics);
+  const auto quantity = read_quantity(value, diagnostics);
+  if (!quantity) return;
+  ConstantElement element{*quantity};
+  if (quantity->standard_deviation) {
+    element.owner = static_cast<std::uint32_t>(owners.size());
+    element.factor = {*quantity->standard_deviation};
+    owners.push_back({prefix + name, true});
+  }
+  elements_[name] = std::move(element);
+}
+
+void Constants::refer(const std::string& name, const Node& reference, const Constants* outer,
+                      Diagnostics& diagnostics) {
+  if (outer == nullptr)
+    return diagnostics.add(reference.position, "a constant cannot refer to another constant");
+  const std::string target = reference.text.substr(1);
+  bool found = false;
+  for (auto element = outer->elements_.lower_bound(target);
+       element != outer->elements_.end() && element->first.starts_with(target); ++element) {
+    const std::string_view rest = std::string_view(element->first).substr(target.size());
+    if (!rest.empty() && rest.front() != '.') continue;
+    elements_[name + std::string(rest)] = element->second;
+    found = true;
+  }
+  if (!found) outer->report_unknown(reference, diagnostics);
 }
 
 void Constants::read_vector(const std::string& name, const Node& map, const std::string& prefix,
@@ -59,13 +81,18 @@ void Constants::read_vector(const std::string& name, const Node& map, const std:
           key.position,
           fmt::format("a vector constant has value and covariance, not '{}'", key.text));
   std::vector<ConstantElement> elements;
+  for (const Node& key : values.keys)
+    if (!is_name(key.text))
+      diagnostics.add(key.position, fmt::format("'{}' cannot name an element: names have no dots, "
+                                                "spaces or $",
+                                                key.text));
   for (const Node& value : values.values) {
     const auto quantity = read_quantity(value, diagnostics);
     elements.push_back({quantity.value_or(WrittenQuantity{})});
   }
   const Node* covariance_node = map.find("covariance");
   std::optional<Eigen::MatrixXd> covariance;
-  if (covariance_node != nullptr) {
+  if (covariance_node != nullptr && values.size() != 0) {
     covariance = read_covariance(*covariance_node, values.size(), diagnostics);
     for (const ConstantElement& element : elements)
       if (element.quantity.standard_deviation)
@@ -97,9 +124,17 @@ const ConstantElement* Constants::find(std::string_view name) const {
 }
 
 void Constants::report_unknown(const Node& reference, Diagnostics& diagnostics) const {
-  std::vector<std::string> names;
-  for (const auto& [name, element] : elements_) names.push_back(name);
   const std::string name = reference.text.substr(1);
+  if (unread_.contains(name.substr(0, name.find('.')))) return;
+  std::vector<std::string> names;
+  for (const auto& [other, element] : elements_) names.push_back(other);
+  const std::string elements = name + ".";
+  std::erase_if(names, [&](const std::string& other) { return !other.starts_with(elements); });
+  if (!names.empty())
+    return diagnostics.add(reference.position,
+                           fmt::format("'{}' is a vector; name one of its elements: ${}", name,
+                                       fmt::join(names, ", $")));
+  for (const auto& [other, element] : elements_) names.push_back(other);
   diagnostics.add(reference.position,
                   fmt::format("unknown constant '{}'{}", name, suggestion(name, names)));
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,14 +28,21 @@ class Constants {
             const Constants* outer, SourceOwners& owners, Diagnostics& diagnostics);
 
   const ConstantElement* find(std::string_view name) const;
-  /// Complains that there is no constant of that name, with a suggestion.
+  /// Complains that there is no constant of that name, with a suggestion; silent where there is one
+  /// that could not be read.
   void report_unknown(const Node& reference, Diagnostics& diagnostics) const;
 
  private:
+  /// Makes `name` the same source, or vector of sources, as a constant of `outer`.
+  void refer(const std::string& name, const Node& reference, const Constants* outer,
+             Diagnostics& diagnostics);
+  void read_one(const std::string& name, const Node& value, const std::string& prefix,
+                SourceOwners& owners, Diagnostics& diagnostics);
   void read_vector(const std::string& name, const Node& map, const std::string& prefix,
                    SourceOwners& owners, Diagnostics& diagnostics);
 
   std::map<std::string, ConstantElement, std::less<>> elements_;
+  std::set<std::string, std::less<>> unread_;  ///< what is wrong with them has been said
 };
 
 }  // namespace ilss

@@ -12,10 +12,14 @@ void read_parts(const Node& list, Expression& expression, Diagnostics& diagnosti
     diagnostics.add(list.position,
                     "expected a list of modules or expressions, got " +
                         (list.is_list() ? std::string("an empty list") : list.description()));
+    expression.kind = Expression::Kind::unread;
+    expression.hides_names = list.is_map();
     return;
   }
-  for (const Node& part : list.values)
+  for (const Node& part : list.values) {
     expression.parts.push_back(read_expression(part, diagnostics));
+    expression.hides_names |= expression.parts.back().hides_names;
+  }
 }
 
 /// `combine: {of: [...], align: latest, max_age: 20 ms}`
@@ -26,9 +30,9 @@ void read_combine_map(const Node& map, Expression& expression, Diagnostics& diag
     if (key.text == "of") {
       read_parts(value, expression, diagnostics);
     } else if (key.text == "align") {
-      if (value.text == "interpolate")
+      if (value.is_scalar() && value.text == "interpolate")
         diagnostics.add(value.position, "align: interpolate is not available; use latest");
-      else if (value.text != "latest")
+      else if (!value.is_scalar() || value.text != "latest")
         diagnostics.add(value.position, "expected latest, got " + value.description());
     } else if (key.text == "max_age") {
       const auto age = parse_quantity(value.text, "s");
@@ -36,6 +40,8 @@ void read_combine_map(const Node& map, Expression& expression, Diagnostics& diag
         diagnostics.add(value.position, value.is_scalar()
                                             ? std::get<std::string>(age)
                                             : "expected a time (s), got " + value.description());
+      else if (std::get<double>(age) < 0)
+        diagnostics.add(value.position, "a time cannot be negative");
       else
         expression.max_age = std::get<double>(age);
     } else {
@@ -43,8 +49,10 @@ void read_combine_map(const Node& map, Expression& expression, Diagnostics& diag
                                                 suggestion(key.text, {"of", "align", "max_age"})));
     }
   }
-  if (map.find("of") == nullptr)
-    diagnostics.add(map.position, "combine needs a list, or a map with the key 'of'");
+  if (map.find("of") != nullptr) return;
+  diagnostics.add(map.position, "combine needs a list, or a map with the key 'of'");
+  expression.kind = Expression::Kind::unread;
+  expression.hides_names = true;
 }
 
 }  // namespace
@@ -61,6 +69,8 @@ Expression read_expression(const Node& node, Diagnostics& diagnostics) {
                     fmt::format("expected a module's name, serial: [...] or "
                                 "combine: [...], got {}",
                                 node.is_map() ? "a map of other keys" : node.description()));
+    expression.kind = Expression::Kind::unread;
+    expression.hides_names = true;
     return expression;
   }
   const std::string& op = node.keys.front().text;
@@ -74,11 +84,14 @@ Expression read_expression(const Node& node, Diagnostics& diagnostics) {
       read_combine_map(value, expression, diagnostics);
     else
       read_parts(value, expression, diagnostics);
-  } else if (op == "select") {
-    diagnostics.add(node.keys.front().position, "select is not available in this version");
   } else {
-    diagnostics.add(node.keys.front().position, fmt::format("unknown operator '{}'{}", op,
-                                                            suggestion(op, {"serial", "combine"})));
+    diagnostics.add(node.keys.front().position,
+                    op == "select" ? std::string("select is not available in this version")
+                                   : fmt::format("unknown operator '{}'{}", op,
+                                                 suggestion(op, {"serial", "combine"})));
+    if (value.is_list()) read_parts(value, expression, diagnostics);
+    expression.kind = Expression::Kind::unread;
+    expression.hides_names |= value.is_map();
   }
   return expression;
 }

@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <queue>
 #include <unordered_map>
 
@@ -81,7 +83,7 @@ struct Flow {
   bool counted = true;
 };
 
-std::filesystem::path canonical(const std::filesystem::path& path) {
+std::filesystem::path canonical_path(const std::filesystem::path& path) {
   std::error_code error;
   const std::filesystem::path result = std::filesystem::weakly_canonical(path, error);
   return error ? path : result;
@@ -135,9 +137,8 @@ class PlanBuilder {
                             const std::vector<Override>& overrides) {
     const std::size_t errors = diagnostics_.size();
     std::vector<PlacedOverride> placed;
-    for (const Override& o : overrides) placed.push_back({split_path(o.path), &o, nullptr});
-    if (graph.position.file != nullptr)
-      open_files_.push_back(canonical(*graph.position.file));
+    for (const Override& o : overrides) place(o, nullptr, placed);
+    if (graph.position.file != nullptr) open_files_.push_back(canonical_path(*graph.position.file));
     const Instance system = read_system(graph, "", directory, placed);
     const std::vector<std::size_t> order = evaluation_order();
     check_connections(order);
@@ -148,6 +149,8 @@ class PlanBuilder {
  private:
   using Scope = std::map<std::string, Instance, std::less<>>;
 
+  void place(const Override& override, const Constants* constants,
+             std::vector<PlacedOverride>& placed);
   Instance read_system(const Node& graph, const std::string& prefix,
                        const std::filesystem::path& directory,
                        const std::vector<PlacedOverride>& overrides);
@@ -187,6 +190,14 @@ class PlanBuilder {
   std::vector<std::filesystem::path> open_files_;
   std::size_t systems_read_ = 0;
 };
+
+void PlanBuilder::place(const Override& override, const Constants* constants,
+                        std::vector<PlacedOverride>& placed) {
+  std::vector<std::string> path = split_path(override.path);
+  if (path.size() > 2 * deepest_nesting)
+    return diagnostics_.add(override.position, "the name has too many parts");
+  placed.push_back({std::move(path), &override, constants});
+}
 
 Instance PlanBuilder::read_system(const Node& graph, const std::string& prefix,
                                   const std::filesystem::path& directory,
@@ -370,10 +381,16 @@ Instance PlanBuilder::read_module(const Node& key, Node module, const std::strin
   }
   module.position = key.position;
   check_keys(module, type->declarations, type->name, diagnostics_);
-  if (type->read_options)
-    node.settings.options = type->read_options(&module, directory, diagnostics_, key.position);
+  try {
+    if (type->read_options)
+      node.settings.options = type->read_options(&module, directory, diagnostics_, key.position);
+    node.interface = type->interface(node.settings);
+  } catch (const std::exception& error) {
+    diagnostics_.add(key.position,
+                     fmt::format("module type '{}' is defective: {}", type->name, error.what()));
+    return instance;
+  }
   read_parameters(module, constants, override_constants, node);
-  node.interface = type->interface(node.settings);
   instance.outputs = {index};
   return instance;
 }
@@ -402,11 +419,11 @@ Instance PlanBuilder::read_nested(const Node& key, const Node& module, const std
       own.push_back({set.keys[j].text, set.values[j], set.keys[j].position});
   }
   std::vector<PlacedOverride> below;
-  for (const Override& o : own) below.push_back({split_path(o.path), &o, &constants});
+  for (const Override& o : own) place(o, &constants, below);
   below.insert(below.end(), overrides.begin(), overrides.end());
 
   const std::filesystem::path path = directory / file->text;
-  open_files_.push_back(canonical(path));
+  open_files_.push_back(canonical_path(path));
   if (std::count(open_files_.begin(), open_files_.end(), open_files_.back()) > 1)
     diagnostics_.add(file->position, fmt::format("'{}' contains itself", file->text));
   else if (open_files_.size() > deepest_nesting || ++systems_read_ > most_systems)
@@ -471,6 +488,9 @@ void PlanBuilder::read_parameter(const Node& value, std::size_t component,
     if (constant == nullptr) return constants.report_unknown(value, diagnostics_);
     WrittenQuantity quantity = constant->quantity;
     quantity.position = value.position;
+    const double variance = std::inner_product(constant->factor.begin(), constant->factor.end(),
+                                               constant->factor.begin(), 0.0);
+    quantity.standard_deviation = std::sqrt(variance);
     const auto si = store(quantity);
     if (!si) return;
     for (std::size_t k = 0; k < constant->factor.size(); ++k)
@@ -705,19 +725,19 @@ std::optional<Plan> PlanBuilder::finish(const Node& graph, const std::vector<std
 
 std::optional<Override> parse_override(const std::string& text, const std::string& origin,
                                        Diagnostics& diagnostics) {
-  const std::size_t equals = text.find('=');
   const std::size_t errors = diagnostics.size();
-  Node value =
-      parse_document(equals == std::string::npos ? "" : std::string_view(text).substr(equals + 1),
-                     origin, diagnostics);
+  const std::size_t equals = std::min(text.find('='), text.size());
+  const std::string_view path = std::string_view(text).substr(0, equals);
+  Node value = parse_document(std::string_view(text).substr(std::min(equals + 1, text.size())),
+                              origin, diagnostics);
   if (diagnostics.size() != errors) return std::nullopt;
-  if (equals == std::string::npos || equals == 0) {
+  if (path.empty() || value.is_null()) {
     diagnostics.add({value.position.file, 0, 0},
                     fmt::format("expected MODULE.PARAMETER=VALUE, got '{}'", text));
     return std::nullopt;
   }
   const Position position = value.position;
-  return Override{text.substr(0, equals), std::move(value), position};
+  return Override{std::string(path), std::move(value), position};
 }
 
 std::optional<Plan> build_plan(const Node& graph, const std::filesystem::path& directory,

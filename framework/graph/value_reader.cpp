@@ -41,12 +41,6 @@ std::optional<double> read_standard_deviation(const Node& node, const WrittenQua
   return number * scale;
 }
 
-/// The unit's scale alone, for a component given without its own unit-bearing value.
-std::optional<std::vector<WrittenQuantity>> read_components(const Node& map,
-                                                            const PayloadDescriptor& payload,
-                                                            Estimate& estimate,
-                                                            Diagnostics& diagnostics);
-
 std::optional<int> read_label(const Node& value, const Label& label, Diagnostics& diagnostics) {
   for (std::size_t i = 0; i < label.values.size(); ++i)
     if (value.is_scalar() && value.text == label.values[i]) return static_cast<int>(i);
@@ -150,22 +144,28 @@ std::optional<WrittenQuantity> read_quantity(const Node& node, Diagnostics& diag
 
 std::optional<SiQuantity> to_si(const WrittenQuantity& quantity, std::string_view si_unit,
                                 Diagnostics& diagnostics) {
-  if (quantity.unit.empty()) {
-    if (si_unit == "1" || quantity.number == 0) return SiQuantity{quantity.number, 1.0};
-    diagnostics.add(quantity.position, fmt::format("'{}' has no unit; expected {}", quantity.number,
-                                                   dimension_name(si_unit)));
+  if (quantity.unit.empty() && si_unit != "1" &&
+      (quantity.number != 0 || quantity.standard_deviation.value_or(0) != 0)) {
+    const bool of_std = quantity.number == 0;
+    diagnostics.add(quantity.position,
+                    fmt::format("{}'{}' has no unit; expected {}", of_std ? "the std " : "",
+                                of_std ? *quantity.standard_deviation : quantity.number,
+                                dimension_name(si_unit)));
     return std::nullopt;
   }
-  const auto conversion = unit_conversion(quantity.unit, si_unit);
+  const auto conversion = quantity.unit.empty()
+                              ? std::variant<UnitConversion, std::string>(UnitConversion{})
+                              : unit_conversion(quantity.unit, si_unit);
   if (const auto* error = std::get_if<std::string>(&conversion)) {
     diagnostics.add(quantity.position, *error);
     return std::nullopt;
   }
   const auto [scale, offset] = std::get<UnitConversion>(conversion);
   const double value = scale * quantity.number + offset;
-  if (!std::isfinite(value)) {
-    diagnostics.add(quantity.position,
-                    fmt::format("'{} {}' is too large", quantity.number, quantity.unit));
+  const double deviation = scale * quantity.standard_deviation.value_or(0);
+  if (!std::isfinite(value) || !std::isfinite(deviation * deviation)) {
+    diagnostics.add(quantity.position, fmt::format("'{} {}' is too large, or its std is",
+                                                   quantity.number, quantity.unit));
     return std::nullopt;
   }
   return SiQuantity{value, scale};
@@ -195,18 +195,24 @@ std::optional<Eigen::MatrixXd> read_covariance(const Node& node, std::size_t dim
           std::get<double>(number);
     }
   }
+  if (n == 0) return covariance;
   // Judged as a correlation, so that components of different units count alike.
   constexpr double rounding = 1e-9;
   const Eigen::VectorXd scale = covariance.diagonal().unaryExpr(
       [](double variance) { return variance > 0 ? 1 / std::sqrt(variance) : 1.0; });
   const Eigen::MatrixXd correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
-  if (!correlation.isApprox(correlation.transpose(), rounding) &&
-      (correlation - correlation.transpose()).cwiseAbs().maxCoeff() > rounding)
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (!(covariance(i, i) >= 0) ||
+        (covariance(i, i) == 0 && covariance.row(i).cwiseAbs().maxCoeff() > 0))
+      return complain(node, "a covariance must be positive semidefinite");
+  if (!((correlation - correlation.transpose()).cwiseAbs().maxCoeff() <= rounding))
     return complain(node, "a covariance must be symmetric");
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
-  if (covariance.diagonal().minCoeff() < 0 || eigen.eigenvalues().minCoeff() < -rounding)
+  if (!(correlation.cwiseAbs().maxCoeff() <= 1 + rounding))
     return complain(node, "a covariance must be positive semidefinite");
-  return covariance;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
+  if (!(eigen.eigenvalues().minCoeff() >= -rounding))
+    return complain(node, "a covariance must be positive semidefinite");
+  return (covariance + covariance.transpose()) / 2;
 }
 
 std::optional<GivenEstimate> read_estimate(const Node& node, const PayloadDescriptor& payload,
@@ -267,9 +273,18 @@ std::optional<GivenEstimate> read_estimate(const Node& node, const PayloadDescri
     const auto covariance = read_covariance(*covariance_node, written->size(), diagnostics);
     if (covariance && diagnostics.size() == errors) {
       const auto owner = static_cast<std::uint32_t>(owners.size());
+      const Eigen::MatrixXd si = scale.asDiagonal() * *covariance * scale.asDiagonal();
+      if (!si.allFinite())
+        diagnostics.add(covariance_node->position, "the covariance is too large");
+      for (std::size_t i = 0; i < written->size(); ++i)
+        if ((*written)[i].unit.empty() && payload.components[i].unit != "1" &&
+            si.row(static_cast<Eigen::Index>(i)).cwiseAbs().maxCoeff() > 0)
+          diagnostics.add((*written)[i].position,
+                          fmt::format("'0' has no unit, and so its variance has none; expected {}",
+                                      dimension_name(payload.components[i].unit)));
+      if (diagnostics.size() != errors) return std::nullopt;
       owners.push_back({name, false});
-      given.estimate.lineage.add_noise({owner, 0, 0},
-                                       scale.asDiagonal() * *covariance * scale.asDiagonal());
+      given.estimate.lineage.add_noise({owner, 0, 0}, si);
     }
   }
   if (diagnostics.size() != errors) return std::nullopt;
