@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <sstream>
 
 #include "framework/module/document.h"
 
@@ -50,11 +50,15 @@ Outcome<std::shared_ptr<const CsvFile>> CsvFile::open(const std::filesystem::pat
   const std::lock_guard lock(mutex);
   if (auto file = held[path].lock()) return file;
   std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  if (stream && !std::filesystem::is_directory(path)) text << stream.rdbuf();
-  if (!stream || !text)
+  std::string text;
+  std::array<char, 65536> block;
+  do {
+    stream.read(block.data(), block.size());
+    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+  } while (stream);
+  if (!stream.eof())
     return Fault{FaultKind::device_lost, fmt::format("cannot read '{}'", path.string())};
-  std::shared_ptr<const CsvFile> file(new CsvFile(path, std::move(text).str()));
+  std::shared_ptr<const CsvFile> file(new CsvFile(path, std::move(text)));
   held[path] = file;
   return file;
 }
