@@ -1,0 +1,164 @@
+// Small modules and graphs that the runtime's tests run: each does one thing that a test watches.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+
+#include "framework/graph/plan.h"
+#include "framework/module/registry.h"
+
+namespace ilss::test {
+
+template <typename T>
+struct Number {
+  T value;
+  static constexpr std::string_view name = "number";
+  static constexpr auto fields = Fields{{"value", "1"}};
+};
+
+/// Counts its own evaluations; due every `period` ticks from `first` on, with noise where `std` is
+/// given.
+class Counter final : public Module {
+ public:
+  static constexpr std::string_view name = "counter";
+  static constexpr std::string_view description = "Counts its evaluations";
+  static constexpr ModuleKind kind = ModuleKind::sensor;
+  struct Options {
+    std::int64_t period = 1;
+    std::int64_t first = 0;
+    std::int64_t fault_at = -1;
+    double delay = 0;
+    double std = 0;
+    void declare(OptionVisitor& visit) {
+      visit("period", period, "Ticks from one output to the next");
+      visit("first", first, "The first tick at which it is due");
+      visit("fault_at", fault_at, "The tick at which it detects nothing");
+      visit("delay", delay, "Age of the data", {.unit = "s"});
+      visit("std", std, "Noise");
+    }
+  };
+  static Interface interface() { return {{}, &descriptor<Number>(), "robot", {}}; }
+  explicit Counter(const Options& options) : options_(options) {}
+
+  Outcome<> evaluate(const Evaluation& evaluation, Output& output) override {
+    if (evaluation.tick == options_.fault_at) return Fault{FaultKind::no_detection, "nothing"};
+    if (evaluation.tick < options_.first || evaluation.tick % options_.period != 0)
+      return Pending{};
+    const double noise =
+        options_.std * static_cast<double>(evaluation.random()() >> 32U) / 4294967296.0;
+    assign<Number>(output.estimate, {static_cast<double>(++count_) + noise});
+    if (options_.std > 0) output.estimate.lineage.add(evaluation.fresh(0), 0, options_.std);
+    output.acquired = evaluation.time - options_.delay;
+    return {};
+  }
+
+ private:
+  Options options_;
+  std::int64_t count_ = 0;
+};
+
+/// Throws where it is told to.
+class Thrower final : public Module {
+ public:
+  static constexpr std::string_view name = "thrower";
+  static constexpr std::string_view description = "Throws";
+  static constexpr ModuleKind kind = ModuleKind::sensor;
+  struct Options {
+    bool early = false;
+    bool odd = false;
+    void declare(OptionVisitor& visit) {
+      visit("early", early, "Throw in the constructor");
+      visit("odd", odd, "Throw what is no std::exception");
+    }
+  };
+  static Interface interface() { return {{}, &descriptor<Number>(), "robot", {}}; }
+  explicit Thrower(const Options& options) : odd_(options.odd) {
+    if (options.early) throw std::runtime_error("no such device");
+  }
+  Outcome<> evaluate(const Evaluation&, Output&) override {
+    if (odd_) throw 42;
+    throw std::runtime_error("out of luck");
+  }
+
+ private:
+  bool odd_;
+};
+
+struct Increment {
+  static constexpr std::string_view name = "increment";
+  static constexpr std::string_view description = "Adds a step";
+  static constexpr std::array<std::string_view, 1> inputs = {"number"};
+  template <typename T>
+  struct Parameters {
+    T step;
+    static constexpr std::string_view name = "increment_parameters";
+    static constexpr auto fields = Fields{{"step", "1", "What to add", 1.0}};
+  };
+  template <typename T>
+  Outcome<Number<T>> operator()(const Parameters<T>& parameters, const Number<T>& x) const {
+    return Number<T>{x.value + parameters.step};
+  }
+};
+
+struct Subtract {
+  static constexpr std::string_view name = "subtract";
+  static constexpr std::string_view description = "The difference of two numbers";
+  static constexpr std::array<std::string_view, 2> inputs = {"left", "right"};
+  template <typename T>
+  Outcome<Number<T>> operator()(const Number<T>& left, const Number<T>& right) const {
+    return Number<T>{left.value - right.value};
+  }
+};
+
+/// The sum of any number of inputs, with their sources.
+class Sum final : public Module {
+ public:
+  static constexpr std::string_view name = "sum";
+  static constexpr std::string_view description = "The sum of its inputs";
+  static constexpr ModuleKind kind = ModuleKind::estimator;
+  static Interface interface() {
+    return {{{"numbers", &descriptor<Number>(), {}, true}}, &descriptor<Number>(), {}, 0};
+  }
+  Outcome<> evaluate(const Evaluation& evaluation, Output& output) override {
+    Number<double> sum{0};
+    terms_.clear();
+    for (std::size_t i = 0; i < evaluation.inputs.size(); ++i) {
+      sum.value += evaluation.input(i).value[0];
+      terms_.push_back({&one_, &evaluation.input(i).lineage});
+    }
+    assign<Number>(output.estimate, sum);
+    compose(terms_, 1, output.estimate.lineage);
+    return {};
+  }
+
+ private:
+  double one_ = 1;
+  std::vector<LineageTerm> terms_;
+};
+
+inline const Registry& registry() {
+  static const Registry result = [] {
+    Registry modules;
+    modules.add<Counter>();
+    modules.add<Thrower>();
+    modules.add<Increment>();
+    modules.add<Subtract>();
+    modules.add<Sum>();
+    return modules;
+  }();
+  return result;
+}
+
+/// The plan of a graph's text; what is wrong with it fails the test.
+inline Plan plan_of(const std::string& text) {
+  Diagnostics diagnostics;
+  const Node graph = parse_document(text, "test.yaml", diagnostics);
+  auto plan = build_plan(graph, ".", registry(), {}, diagnostics);
+  for (const Diagnostic& diagnostic : diagnostics.sorted())
+    ADD_FAILURE() << format_diagnostic(diagnostic);
+  return plan.value_or(Plan{});
+}
+
+}  // namespace ilss::test
