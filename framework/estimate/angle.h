@@ -11,7 +11,11 @@ template <typename T>
 T wrap_angle(T angle) {
   using std::floor;
   constexpr double turn = 2 * std::numbers::pi;
-  return angle - turn * floor((angle + std::numbers::pi) / turn);
+  T wrapped = angle - turn * floor((angle + std::numbers::pi) / turn);
+  // The quotient may round up to the next whole number, or down from it.
+  if (wrapped < -std::numbers::pi) wrapped += turn;
+  if (wrapped >= std::numbers::pi) wrapped -= turn;
+  return wrapped;
 }
 
 }  // namespace ilss

@@ -10,6 +10,10 @@ namespace ilss {
 
 NormalizedError normalized_squared_error(const Eigen::VectorXd& error,
                                          const Eigen::MatrixXd& covariance) {
+  // A NaN anywhere would compare false below and so pass for a perfect estimate.
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  if (!error.allFinite() || !covariance.allFinite())
+    return {infinity, static_cast<int>(error.size()), infinity};
   // Components may have different units, so the rank is judged on the correlation matrix.
   const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   const Eigen::VectorXd inverse_scale =
@@ -20,8 +24,7 @@ NormalizedError normalized_squared_error(const Eigen::VectorXd& error,
   constexpr double relative_rank_tolerance = 1e-10;
   NormalizedError result{0, 0, 0};
   for (Eigen::Index i = 0; i < error.size(); ++i)
-    if (scale[i] == 0 && error[i] != 0)
-      result.unexplained = std::numeric_limits<double>::infinity();
+    if (scale[i] == 0 && error[i] != 0) result.unexplained = infinity;
   const Eigen::VectorXd normalized =
       eigen.eigenvectors().transpose() * inverse_scale.asDiagonal() * error;
   for (Eigen::Index i = 0; i < error.size(); ++i) {
@@ -41,10 +44,15 @@ NormalizedError nees(const Estimate& estimate, std::span<const double> truth) {
 }
 
 NormalizedError nis(const Estimate& a, const Estimate& b) {
-  const Eigen::MatrixXd cross = cross_covariance(a.lineage, b.lineage);
-  return normalized_squared_error(
-      difference(a, b.value),
-      a.lineage.covariance() + b.lineage.covariance() - cross - cross.transpose());
+  // The lineage of a - b rather than P_a + P_b - P_ab - P_ba: errors that they share cancel exactly
+  // there, and leave no rounding that would pass for variance.
+  const auto m = static_cast<Eigen::Index>(a.dimension());
+  const Eigen::MatrixXd plus = Eigen::MatrixXd::Identity(m, m);
+  const Eigen::MatrixXd minus = -plus;
+  const LineageTerm terms[] = {{plus.data(), &a.lineage}, {minus.data(), &b.lineage}};
+  Lineage innovation;
+  compose(terms, a.dimension(), innovation);
+  return normalized_squared_error(difference(a, b.value), innovation.covariance());
 }
 
 Interval chi_square_interval(double degrees_of_freedom, double probability) {

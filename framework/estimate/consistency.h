@@ -13,7 +13,8 @@ namespace ilss {
 
 /// eᵀ P⁺ e and the rank of P. Where P is singular the pseudo-inverse is taken, which leaves out the
 /// part of the error that P says cannot be: `unexplained` is the largest such part in standard
-/// deviations (infinite for an error of a component that claims to be exact).
+/// deviations (infinite for an error of a component that claims to be exact). Everything is
+/// infinite where an error or a variance is not finite.
 struct NormalizedError {
   double value;
   int rank;
@@ -61,7 +62,10 @@ class ConsistencyStatistic {
     const Interval sum = chi_square_interval(degrees_of_freedom_, probability);
     return {sum.low / degrees_of_freedom_, sum.high / degrees_of_freedom_};
   }
-  bool consistent(double probability) const { return bounds(probability).contains(mean()); }
+  /// Whether the mean lies within these bounds; never of no degrees of freedom.
+  bool consistent(double probability) const {
+    return degrees_of_freedom_ > 0 && bounds(probability).contains(mean());
+  }
 
  private:
   double sum_ = 0;

@@ -29,6 +29,9 @@ Estimate linear_combination(std::span<const Estimate> estimates, std::span<const
         fmt::format("a linear combination needs a weight for each of at "
                     "least one estimate; got {} estimates, {} weights",
                     estimates.size(), weights.size()));
+  for (const Estimate& estimate : estimates)
+    if (estimate.type == nullptr)
+      throw std::invalid_argument("a linear combination needs estimates that have a payload type");
   Estimate result = estimates.front();
   const std::size_t m = result.dimension();
   std::vector<double> jacobians(estimates.size() * m * m, 0.0);

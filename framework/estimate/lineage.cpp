@@ -2,52 +2,101 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <map>
+#include <utility>
+
+#include "framework/estimate/fields.h"
 
 namespace ilss {
 namespace {
 
-// Marks columns made by folding; their low bits are folder * 64 + index.
+// Marks columns made by folding; their low bits are folder * most_folded + index.
 constexpr std::uint32_t folded_column = 0x80000000u;
+constexpr std::uint32_t most_folded = 64;
 
-/// out (rows x K) += J (rows x columns) * in (columns x K) for a block of K whole columns.
-template <std::size_t Rows>
-void multiply_add_fixed(const double* jacobian, const double* in, std::size_t columns,
-                        std::size_t k_count, double* out) {
+/// out (Rows x K) = or += J (Rows x columns) * in (columns x K), all column-major.
+template <std::size_t Rows, bool accumulate>
+void multiply_fixed(const double* jacobian, const double* in, std::size_t columns,
+                    std::size_t k_count, double* out) {
   for (std::size_t k = 0; k < k_count; ++k, in += columns, out += Rows) {
-    std::array<double, Rows> sum;
-    for (std::size_t i = 0; i < Rows; ++i) sum[i] = out[i];
+    std::array<double, Rows> sum{};
+    if constexpr (accumulate)
+      for (std::size_t i = 0; i < Rows; ++i) sum[i] = out[i];
     for (std::size_t j = 0; j < columns; ++j)
       for (std::size_t i = 0; i < Rows; ++i) sum[i] += jacobian[j * Rows + i] * in[j];
     for (std::size_t i = 0; i < Rows; ++i) out[i] = sum[i];
   }
 }
 
-void multiply_add(const double* jacobian, const double* in, std::size_t rows, std::size_t columns,
-                  std::size_t k_count, double* out) {
+/// As above for any number of rows.
+template <bool accumulate>
+void multiply(const double* jacobian, const double* in, std::size_t rows, std::size_t columns,
+              std::size_t k_count, double* out) {
   switch (rows) {
     case 1:
-      return multiply_add_fixed<1>(jacobian, in, columns, k_count, out);
+      return multiply_fixed<1, accumulate>(jacobian, in, columns, k_count, out);
     case 2:
-      return multiply_add_fixed<2>(jacobian, in, columns, k_count, out);
+      return multiply_fixed<2, accumulate>(jacobian, in, columns, k_count, out);
     case 3:
-      return multiply_add_fixed<3>(jacobian, in, columns, k_count, out);
+      return multiply_fixed<3, accumulate>(jacobian, in, columns, k_count, out);
     case 4:
-      return multiply_add_fixed<4>(jacobian, in, columns, k_count, out);
+      return multiply_fixed<4, accumulate>(jacobian, in, columns, k_count, out);
     case 6:
-      return multiply_add_fixed<6>(jacobian, in, columns, k_count, out);
+      return multiply_fixed<6, accumulate>(jacobian, in, columns, k_count, out);
     default:
       break;
   }
-  for (std::size_t k = 0; k < k_count; ++k, in += columns, out += rows)
+  for (std::size_t k = 0; k < k_count; ++k, in += columns, out += rows) {
+    if constexpr (!accumulate) std::fill_n(out, rows, 0.0);
     for (std::size_t j = 0; j < columns; ++j)
       for (std::size_t i = 0; i < rows; ++i) out[i] += jacobian[j * rows + i] * in[j];
+  }
 }
+
+/// F with F Fᵀ = covariance: by Cholesky, and where that is singular the symmetric square root,
+/// which rounding cannot make indefinite.
+template <typename Matrix>
+Matrix noise_factor(const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
+  const Eigen::LLT<Matrix> cholesky(covariance);
+  if (cholesky.info() == Eigen::Success) return Matrix(cholesky.matrixL());
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(covariance);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+/// A lower triangle L with L Lᵀ = the sum of g gᵀ over the columns g added: LQ of [L g] by Givens
+/// rotations, on the stack. Its diagonal is never negative, so L changes continuously with the
+/// columns.
+class TriangularFactor {
+ public:
+  static constexpr std::size_t most_rows = most_folded;
+
+  explicit TriangularFactor(std::size_t rows) : rows_(rows) {
+    std::fill_n(lower_.begin(), rows * rows, 0.0);
+  }
+  std::span<const double> column(std::size_t k) const { return {lower_.data() + k * rows_, rows_}; }
+  void add(std::span<const double> column) {
+    std::array<double, most_rows> g;
+    std::copy_n(column.begin(), rows_, g.begin());
+    for (std::size_t k = 0; k < rows_; ++k) {
+      if (g[k] == 0) continue;
+      double* l = lower_.data() + k * rows_;
+      const double r = std::hypot(l[k], g[k]);
+      const double cosine = l[k] / r;
+      const double sine = g[k] / r;
+      for (std::size_t i = k; i < rows_; ++i) {
+        const double old = l[i];
+        l[i] = cosine * old + sine * g[i];
+        g[i] = cosine * g[i] - sine * old;
+      }
+    }
+  }
+
+ private:
+  std::size_t rows_;
+  std::array<double, most_rows * most_rows> lower_;
+};
 
 }  // namespace
 
@@ -75,23 +124,20 @@ void Lineage::add(Source source, std::size_t component, double sensitivity) {
 }
 
 void Lineage::add_noise(Source first, const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
-  // A diagonal covariance is its own factor; otherwise Cholesky, and where it is singular the
-  // symmetric square root, which rounding cannot make indefinite.
-  const Eigen::Index m = covariance.rows();
-  Eigen::MatrixXd factor;
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(covariance);
-  if (cholesky.info() == Eigen::Success) {
-    factor = cholesky.matrixL();
-  } else {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-    factor = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-  }
-  for (Eigen::Index k = 0; k < m; ++k) {
-    if (factor.col(k).isZero(0.0)) continue;
-    Source source = first;
-    source.column += static_cast<std::uint32_t>(k);
-    add(source, std::span<const double>(factor.col(k).data(), static_cast<std::size_t>(m)));
-  }
+  const auto add_factor = [&](const auto& factor) {
+    for (Eigen::Index k = 0; k < factor.cols(); ++k) {
+      if (factor.col(k).isZero(0.0)) continue;
+      Source source = first;
+      source.column += static_cast<std::uint32_t>(k);
+      add(source, std::span<const double>(factor.col(k).data(), dimension_));
+    }
+  };
+  constexpr int most = Fields::capacity;
+  using OnStack = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>;
+  if (covariance.rows() <= most)
+    add_factor(noise_factor<OnStack>(covariance));
+  else
+    add_factor(noise_factor<Eigen::MatrixXd>(covariance));
 }
 
 Eigen::MatrixXd Lineage::covariance() const {
@@ -109,76 +155,57 @@ double Lineage::standard_deviation(std::size_t component) const {
   return std::sqrt(variance(component));
 }
 
-void Lineage::remove_marked(const std::vector<char>& gone) {
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < sources_.size(); ++k) {
-    if (gone[k]) continue;
-    if (kept != k) {
-      sources_[kept] = sources_[k];
-      std::copy_n(factor_.begin() + static_cast<std::ptrdiff_t>(k * dimension_), dimension_,
-                  factor_.begin() + static_cast<std::ptrdiff_t>(kept * dimension_));
+template <typename Foldable>
+void Lineage::fold_range(std::size_t begin, std::size_t end, const Foldable& foldable,
+                         Source first) {
+  const auto count = static_cast<std::size_t>(
+      std::count_if(sources_.begin() + static_cast<std::ptrdiff_t>(begin),
+                    sources_.begin() + static_cast<std::ptrdiff_t>(end), foldable));
+  if (count <= dimension_ || dimension_ > TriangularFactor::most_rows) return;
+  TriangularFactor folded(dimension_);
+  std::size_t kept = begin;
+  bool any_random = false;
+  std::int64_t last_tick = persistent_tick;
+  for (std::size_t k = begin; k < size(); ++k) {
+    if (k < end && foldable(sources_[k])) {
+      any_random |= !sources_[k].persistent();
+      last_tick = std::max(last_tick, sources_[k].tick);
+      folded.add(column(k));
+      continue;
     }
+    sources_[kept] = sources_[k];
+    std::copy_n(factor_.data() + k * dimension_, dimension_, factor_.data() + kept * dimension_);
     ++kept;
   }
   sources_.resize(kept);
   factor_.resize(kept * dimension_);
-}
-
-void Lineage::fold_columns(std::span<const std::size_t> columns, Source first) {
-  if (columns.size() <= dimension_) return;
-  const auto m = static_cast<Eigen::Index>(dimension_);
-  Eigen::MatrixXd transposed(static_cast<Eigen::Index>(columns.size()), m);
-  std::vector<char> gone(size(), 0);
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    transposed.row(static_cast<Eigen::Index>(c)) =
-        factor().col(static_cast<Eigen::Index>(columns[c]));
-    gone[columns[c]] = 1;
-  }
-  remove_marked(gone);
-  // Gᵀ = Q R, so G Gᵀ = Rᵀ R and Rᵀ (M x M) serves as the folded factor.
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(transposed);
-  const Eigen::MatrixXd lower =
-      Eigen::MatrixXd(qr.matrixQR().topRows(m).triangularView<Eigen::Upper>()).transpose();
-  for (Eigen::Index k = 0; k < m; ++k) {
-    Source source = first;
-    source.column += static_cast<std::uint32_t>(k);
-    add(source, std::span<const double>(lower.col(k).data(), dimension_));
-  }
+  first.tick = any_random ? last_tick : persistent_tick;
+  for (std::size_t k = 0; k < dimension_; ++k, ++first.column) add(first, folded.column(k));
 }
 
 void Lineage::fold(const std::function<bool(const Source&)>& foldable, std::uint32_t folder) {
-  std::map<std::uint32_t, std::vector<std::size_t>> columns_of;
-  for (std::size_t k = 0; k < size(); ++k)
-    if (foldable(sources_[k])) columns_of[sources_[k].owner].push_back(k);
-  // Folding one owner moves the columns of the others, so they are found anew by name.
-  std::map<std::uint32_t, std::vector<Source>> sources_of;
-  for (const auto& [owner, columns] : columns_of) {
-    if (columns.size() <= dimension_) continue;
-    for (const std::size_t k : columns) sources_of[owner].push_back(sources_[k]);
-  }
-  for (const auto& [owner, sources] : sources_of) {
-    std::vector<std::size_t> columns;
-    for (const Source& source : sources)
-      columns.push_back(static_cast<std::size_t>(
-          std::lower_bound(sources_.begin(), sources_.end(), source) - sources_.begin()));
-    fold_columns(columns, {owner, folded_column | (folder * 64), sources.back().tick});
+  // From the last owner to the first, so that the columns still to be folded stay where they are.
+  for (std::size_t end = size(); end > 0;) {
+    const std::uint32_t owner = sources_[end - 1].owner;
+    std::size_t begin = end;
+    while (begin > 0 && sources_[begin - 1].owner == owner) --begin;
+    const Source first{owner, folded_column | (folder * most_folded), 0};
+    const std::size_t size_before = size();
+    const auto random = [&](const Source& s) { return !s.persistent() && foldable(s); };
+    const auto persistent = [&](const Source& s) { return s.persistent() && foldable(s); };
+    fold_range(begin, end, random, first);
+    fold_range(begin, end - (size_before - size()), persistent, first);
+    end = begin;
   }
 }
 
 void Lineage::fold_together(const std::function<bool(const Source&)>& foldable,
                             std::uint32_t folder, std::uint32_t owner) {
-  std::vector<std::size_t> columns;
-  std::int64_t tick = 0;
-  for (std::size_t k = 0; k < size(); ++k) {
-    if (!foldable(sources_[k])) continue;
-    columns.push_back(k);
-    tick = std::max(tick, sources_[k].tick);
-  }
-  fold_columns(columns, {owner, folded_column | (folder * 64), tick});
+  fold_range(0, size(), foldable, {owner, folded_column | (folder * most_folded), 0});
 }
 
 void compose(std::span<const LineageTerm> terms, std::size_t rows, Lineage& out) {
-  out.reset(rows);
+  out.dimension_ = rows;
   const LineageTerm* only = nullptr;
   std::size_t carriers = 0;
   for (const LineageTerm& term : terms) {
@@ -186,41 +213,68 @@ void compose(std::span<const LineageTerm> terms, std::size_t rows, Lineage& out)
     only = &term;
     ++carriers;
   }
-  if (carriers == 0) return;
   if (carriers == 1) {
     const Lineage& in = *only->lineage;
     out.sources_.assign(in.sources_.begin(), in.sources_.end());
-    out.factor_.assign(rows * in.size(), 0.0);
-    multiply_add(only->jacobian, in.factor_.data(), rows, in.dimension_, in.size(),
-                 out.factor_.data());
+    out.factor_.resize(rows * in.size());
+    multiply<false>(only->jacobian, in.factor_.data(), rows, in.dimension_, in.size(),
+                    out.factor_.data());
     return;
   }
-  // Merge of the sorted source lists; each output column gathers that source from every term.
-  constexpr std::size_t most_terms = 64;
-  std::array<std::size_t, most_terms> next_inline{};
-  std::vector<std::size_t> next_many;
-  if (terms.size() > most_terms) next_many.resize(terms.size());
-  std::size_t* next = terms.size() > most_terms ? next_many.data() : next_inline.data();
-  for (;;) {
-    const Source* least = nullptr;
-    for (std::size_t t = 0; t < terms.size(); ++t) {
-      const auto& sources = terms[t].lineage->sources_;
-      if (next[t] < sources.size() && (least == nullptr || sources[next[t]] < *least))
-        least = &sources[next[t]];
-    }
-    if (least == nullptr) return;
-    const Source source = *least;
-    out.sources_.push_back(source);
-    out.factor_.resize(out.factor_.size() + rows, 0.0);
-    double* column = out.factor_.data() + out.factor_.size() - rows;
-    for (std::size_t t = 0; t < terms.size(); ++t) {
-      const Lineage& in = *terms[t].lineage;
-      if (next[t] >= in.sources_.size() || in.sources_[next[t]] != source) continue;
-      multiply_add(terms[t].jacobian, in.factor_.data() + next[t] * in.dimension_, rows,
-                   in.dimension_, 1, column);
-      ++next[t];
+  out.sources_.clear();
+  out.factor_.clear();
+  if (carriers == 0) return;
+  constexpr std::size_t most_on_stack = 64;
+  std::array<std::size_t, most_on_stack> next_on_stack{};
+  std::vector<std::size_t> next_of_many(terms.size() > most_on_stack ? terms.size() : 0);
+  const std::span<std::size_t> next =
+      next_of_many.empty() ? std::span(next_on_stack).first(terms.size()) : std::span(next_of_many);
+  while (out.append_next(terms, next)) continue;
+}
+
+bool Lineage::append_next(std::span<const LineageTerm> terms, std::span<std::size_t> next) {
+  // The least source that is left, and the least among the other terms: up to that one, the term
+  // that holds the least stands alone, and its columns are mapped in one go.
+  const Source* least = nullptr;
+  const Source* limit = nullptr;
+  std::size_t holder = 0;
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    const auto& sources = terms[t].lineage->sources_;
+    if (next[t] == sources.size()) continue;
+    const Source* candidate = &sources[next[t]];
+    if (least == nullptr || *candidate < *least) {
+      limit = std::exchange(least, candidate);
+      holder = t;
+    } else if (limit == nullptr || *candidate < *limit) {
+      limit = candidate;
     }
   }
+  if (least == nullptr) return false;
+  const std::vector<Source>& sources = terms[holder].lineage->sources_;
+  if (limit == nullptr || *least < *limit) {
+    std::size_t end = next[holder] + 1;
+    while (end < sources.size() && (limit == nullptr || sources[end] < *limit)) ++end;
+    const std::size_t count = end - next[holder];
+    sources_.insert(sources_.end(), least, least + count);
+    factor_.resize(factor_.size() + count * dimension_);
+    const Lineage& in = *terms[holder].lineage;
+    multiply<false>(terms[holder].jacobian, in.factor_.data() + next[holder] * in.dimension_,
+                    dimension_, in.dimension_, count,
+                    factor_.data() + factor_.size() - count * dimension_);
+    next[holder] = end;
+    return true;
+  }
+  const Source shared = *least;
+  sources_.push_back(shared);
+  factor_.resize(factor_.size() + dimension_);
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    const Lineage& in = *terms[t].lineage;
+    if (next[t] == in.sources_.size() || in.sources_[next[t]] != shared) continue;
+    multiply<true>(terms[t].jacobian, in.factor_.data() + next[t] * in.dimension_, dimension_,
+                   in.dimension_, 1, factor_.data() + factor_.size() - dimension_);
+    ++next[t];
+  }
+  return true;
 }
 
 Eigen::MatrixXd cross_covariance(const Lineage& a, const Lineage& b) {

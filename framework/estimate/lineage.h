@@ -50,18 +50,21 @@ class Lineage {
   double standard_deviation(std::size_t component) const;
 
   /// Replaces columns that nothing else refers to by at most M of the same covariance (LQ), each
-  /// owner apart so that budgets survive. `foldable` says which sources may go; `folder` (below
-  /// 2^24) is unique to the place of folding and keeps the new sources' names unique.
+  /// owner's random and persistent ones apart, so that budgets survive and persistent errors still
+  /// do not average out. `foldable` says which sources may go; `folder` (below 2^24) is unique to
+  /// the place of folding, which folds once a tick, and keeps the new sources' names unique.
+  /// Estimates of more than 64 components are left as they are.
   void fold(const std::function<bool(const Source&)>& foldable, std::uint32_t folder);
-  /// As `fold`, but all foldable columns become at most M columns of one owner.
+  /// As `fold`, but all foldable columns become at most M columns of one owner: random ones, unless
+  /// all are persistent.
   void fold_together(const std::function<bool(const Source&)>& foldable, std::uint32_t folder,
                      std::uint32_t owner);
 
  private:
-  friend struct LineageTerm;
   friend void compose(std::span<const struct LineageTerm>, std::size_t, Lineage&);
-  void fold_columns(std::span<const std::size_t> columns, Source first);
-  void remove_marked(const std::vector<char>& gone);
+  bool append_next(std::span<const struct LineageTerm> terms, std::span<std::size_t> next);
+  template <typename Foldable>
+  void fold_range(std::size_t begin, std::size_t end, const Foldable& foldable, Source first);
 
   std::size_t dimension_ = 0;
   std::vector<Source> sources_;

@@ -24,7 +24,6 @@ class UnitSystem {
   UnitSystem() {
     ut_set_error_message_handler(ut_ignore);
     system_ = ut_read_xml(nullptr);
-    one_.reset(ut_get_dimensionless_unit_one(system_));
     // UDUNITS-2 knows the degree of arc by other names only.
     if (UnitPointer degree = parse("arc_degree"); degree && !parse("deg"))
       ut_map_symbol_to_unit("deg", UT_ASCII, degree.get());
@@ -34,27 +33,23 @@ class UnitSystem {
   UnitPointer parse(std::string_view text) const {
     return UnitPointer(ut_parse(system_, std::string(text).c_str(), UT_UTF8));
   }
-  /// The power of angle in a unit: UDUNITS-2 takes the radian for a number, so we ask its
-  /// definition in base units, which keeps it ("0.0174532925199433 rad").
-  static std::string angle_part(const ut_unit* unit) {
-    char buffer[256];
+  /// The power of angle in a unit. UDUNITS-2 takes the radian for a number, but its definition of a
+  /// unit keeps it as a base unit ("0.0174532925199433 rad", "s-1.rad", "cd.rad2"; none of the
+  /// other base units contains these letters). Nothing where the definition cannot be told.
+  static std::optional<int> angle_power(const ut_unit* unit) {
+    char buffer[512];
     const int length = ut_format(unit, buffer, sizeof buffer, UT_ASCII | UT_DEFINITION);
-    if (length <= 0 || length >= static_cast<int>(sizeof buffer)) return {};
+    if (length <= 0 || length >= static_cast<int>(sizeof buffer)) return std::nullopt;
     const std::string_view text(buffer, static_cast<std::size_t>(length));
     const std::size_t at = text.find("rad");
-    if (at == std::string_view::npos) return {};
-    std::string part = "rad";
-    for (std::size_t i = at + 3; i < text.size(); ++i) {
-      const char c = text[i];
-      if (c != '-' && c != '^' && (c < '0' || c > '9')) break;
-      part += c;
-    }
-    return part;
+    if (at == std::string_view::npos) return 0;
+    int power = 1;
+    std::from_chars(text.data() + at + 3, text.data() + text.size(), power);
+    return power;
   }
 
  private:
   ut_system* system_ = nullptr;
-  UnitPointer one_;
 };
 
 const UnitSystem& unit_system() {
@@ -62,24 +57,73 @@ const UnitSystem& unit_system() {
   return *system;
 }
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+/// Of a unit's name; bytes beyond ASCII are parts of letters such as µ.
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' ||
+         static_cast<unsigned char>(c) >= 0x80;
+}
+
+/// The text in quotes for a message, cut where it is very long.
+std::string quoted(std::string_view text) {
+  constexpr std::size_t longest = 60;
+  return text.size() <= longest ? fmt::format("'{}'", text)
+                                : fmt::format("'{}...'", text.substr(0, longest));
+}
+
+/// Whether a text can be a unit as people write them: "m/s", "kg.m-2", "1/m". UDUNITS-2 takes more
+/// than that: numbers as factors, so that "11 12 deg" would be 132 deg, and origins ("K @ 273").
+bool is_unit_text(std::string_view text) {
+  constexpr std::size_t longest = 100;
+  if (text.size() > longest) return false;
+  if (text.starts_with("1/")) text.remove_prefix(2);
+  int open = 0;
+  char previous = ' ';
+  for (const char c : text) {
+    const bool after_unit = is_letter(previous) || previous == ')' || previous == '^';
+    if (is_digit(c) && !(after_unit || is_digit(previous) || previous == '-')) return false;
+    if (c == '-' && !after_unit) return false;
+    if (!is_letter(c) && !is_digit(c) &&
+        std::string_view(" -^*./()%'\"").find(c) == std::string_view::npos)
+      return false;
+    if (c == '(') ++open;
+    if (c == ')' && --open < 0) return false;
+    previous = c;
+  }
+  return open == 0;
+}
+
+/// The affine map that a converter is, if it is one: UDUNITS-2 also converts a time to a frequency
+/// (by its reciprocal) and decibels to watts.
+std::optional<UnitConversion> affine_map(const cv_converter* converter) {
+  const double at_0 = cv_convert_double(converter, 0.0);
+  const double at_1 = cv_convert_double(converter, 1.0);
+  const double at_2 = cv_convert_double(converter, 2.0);
+  const double bend = std::abs(at_2 - 2 * at_1 + at_0);
+  const double size = std::abs(at_0) + std::abs(at_1) + std::abs(at_2);
+  constexpr double rounding = 1e-12;
+  if (!std::isfinite(size) || bend > rounding * size) return std::nullopt;
+  return UnitConversion{at_1 - at_0, at_0};
+}
+
 std::variant<UnitConversion, std::string> find_conversion(std::string_view unit,
                                                           std::string_view si_unit) {
   const UnitSystem& system = unit_system();
   if (!system.available()) return std::string("the UDUNITS-2 unit database cannot be read");
-  const UnitPointer from = system.parse(unit);
-  if (!from) return fmt::format("unknown unit '{}'; expected {}", unit, dimension_name(si_unit));
+  const UnitPointer from = is_unit_text(unit) ? system.parse(unit) : nullptr;
+  if (!from)
+    return fmt::format("unknown unit {}; expected {}", quoted(unit), dimension_name(si_unit));
   const UnitPointer to = system.parse(si_unit);
-  if (!to) return fmt::format("unknown unit '{}'", si_unit);
-  const bool same_dimension =
-      ut_are_convertible(from.get(), to.get()) != 0 &&
-      UnitSystem::angle_part(from.get()) == UnitSystem::angle_part(to.get());
+  if (!to) return fmt::format("unknown unit {}", quoted(si_unit));
+  const auto angle = UnitSystem::angle_power(from.get());
+  const bool same_dimension = ut_are_convertible(from.get(), to.get()) != 0 && angle.has_value() &&
+                              angle == UnitSystem::angle_power(to.get());
   cv_converter* converter = same_dimension ? ut_get_converter(from.get(), to.get()) : nullptr;
-  if (converter == nullptr) return fmt::format("'{}' is not {}", unit, dimension_name(si_unit));
-  UnitConversion result;
-  result.offset = cv_convert_double(converter, 0.0);
-  result.scale = cv_convert_double(converter, 1.0) - result.offset;
-  cv_free(converter);
-  return result;
+  std::optional<UnitConversion> result;
+  if (converter != nullptr) result = affine_map(converter);
+  if (converter != nullptr) cv_free(converter);
+  if (!result) return fmt::format("{} is not {}", quoted(unit), dimension_name(si_unit));
+  return *result;
 }
 
 std::string_view trim(std::string_view text) {
@@ -129,15 +173,14 @@ std::variant<QuantityText, std::string> split_quantity(std::string_view text) {
   QuantityText result{};
   const char* begin = text.data();
   const char* end = begin + text.size();
-  if (begin != end && *begin == '+') ++begin;
+  if (text.starts_with('+') && !text.starts_with("+-")) ++begin;
   const auto [stop, error] = std::from_chars(begin, end, result.number);
   if (error == std::errc::result_out_of_range)
-    return fmt::format("'{}' is too large or too small for a number", text);
+    return fmt::format("{} is too large or too small for a number", quoted(text));
   if (error != std::errc{} || !std::isfinite(result.number))
     return fmt::format(
-        "'{}' is not a quantity; expected a finite number and a unit, such as "
-        "'11 deg'",
-        text);
+        "{} is not a quantity; expected a finite number and a unit, such as '11 deg'",
+        quoted(text));
   result.unit = trim({stop, static_cast<std::size_t>(end - stop)});
   return result;
 }
@@ -148,13 +191,14 @@ std::variant<double, std::string> parse_quantity(std::string_view text, std::str
   const QuantityText quantity = std::get<QuantityText>(split);
   if (quantity.unit.empty()) {
     if (si_unit == "1" || quantity.number == 0.0) return quantity.number;
-    return fmt::format("'{}' has no unit; expected {}", trim(text), dimension_name(si_unit));
+    return fmt::format("{} has no unit; expected {}", quoted(trim(text)), dimension_name(si_unit));
   }
   const auto conversion = unit_conversion(quantity.unit, si_unit);
   if (const auto* error = std::get_if<std::string>(&conversion)) return *error;
   const auto [scale, offset] = std::get<UnitConversion>(conversion);
   const double value = scale * quantity.number + offset;
-  if (!std::isfinite(value)) return fmt::format("'{}' is too large in {}", trim(text), si_unit);
+  if (!std::isfinite(value))
+    return fmt::format("{} is too large in {}", quoted(trim(text)), si_unit);
   return value;
 }
 
