@@ -1,6 +1,7 @@
 #include "sensors/register.h"
 
 #include "sensors/camera/camera.h"
+#include "sensors/camera/range_calibration.h"
 #include "sensors/camera/target_points.h"
 #include "sensors/camera/vision_line.h"
 #include "sensors/scene/scene_wall.h"
@@ -14,6 +15,7 @@ namespace ilss {
 void register_sensors(Registry& registry) {
   registry.add<Camera>();
   registry.add<PlanarTransform>();
+  registry.add<RangeCalibration>();
   registry.add<SceneWall>();
   registry.add<Sonar>();
   registry.add<TargetPoints>();

@@ -180,27 +180,33 @@ struct Optimum {
   Normal normal;
 };
 
-/// Gauss-Newton with Levenberg-Marquardt damping where a step does not help.
+/// Gauss-Newton with Levenberg-Marquardt damping where a step does not help. Where an edge lies on
+/// the border of two pixels the cost has a kink, on which steps shorten without end; there the
+/// optimum is where no step helps by more than a tenth of a standard deviation.
 std::optional<Optimum> minimize(const BandProblem& problem, const Unknowns& start) {
   constexpr int most_iterations = 30;
   constexpr double converged = 1e-3;  // of a standard deviation
+  constexpr double stalled = 0.1;     // of a standard deviation
   constexpr double least_condition = 1e-14;
   Optimum best{start, 0, {}};
   Unknowns gradient;
   if (!problem.linearize(best.x, best.cost, best.normal, gradient, nullptr)) return std::nullopt;
   double damping = 0;
+  double improvement = 0;
+  double variance = 0;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     Normal damped = best.normal.selfadjointView<Eigen::Lower>();
     damped.diagonal() *= 1 + damping;
     const Eigen::LDLT<Normal> factor(damped);
     if (factor.info() != Eigen::Success || !(factor.rcond() > least_condition)) return std::nullopt;
     const Unknowns step = factor.solve(gradient);
-    const double variance = std::max(best.cost / problem.degrees_of_freedom(), rounding_variance);
+    variance = std::max(best.cost / problem.degrees_of_freedom(), rounding_variance);
     const bool last = step.dot(gradient) < converged * converged * variance;
     Optimum trial{best.x + step, 0, {}};
     Unknowns trial_gradient;
     if (problem.linearize(trial.x, trial.cost, trial.normal, trial_gradient, nullptr) &&
         trial.cost <= best.cost) {
+      improvement = best.cost - trial.cost;
       best = trial;
       gradient = trial_gradient;
       damping = damping < 1e-3 ? 0 : damping * 0.1;
@@ -209,6 +215,7 @@ std::optional<Optimum> minimize(const BandProblem& problem, const Unknowns& star
     }
     if (last) return best;
   }
+  if (improvement < stalled * stalled * variance) return best;
   return std::nullopt;
 }
 

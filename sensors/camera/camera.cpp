@@ -26,6 +26,12 @@ void take_intrinsics(const Estimate& parameters, Estimate& image) {
   image.correlation_unknown = parameters.correlation_unknown;
 }
 
+Outcome<> check_intrinsics(const Estimate& parameters) {
+  const auto p = payload_of<Camera::Parameters>(parameters);
+  if (p.pixel_pitch > 0 && p.focal_length > 0) return {};
+  return Fault{FaultKind::out_of_range, "pixel_pitch and focal_length must be above 0"};
+}
+
 }  // namespace
 
 void Camera::Input::declare(OptionVisitor& visit) {
@@ -55,6 +61,7 @@ Interface Camera::interface(const Options& options) {
 Camera::Camera(Options options) : options_(std::move(options)) {}
 
 Outcome<> Camera::evaluate(const Evaluation& evaluation, Output& output) {
+  if (auto outcome = check_intrinsics(evaluation.parameters); !outcome) return outcome;
   if (options_.input.scene)
     simulate(evaluation, options_.noise_std, output);
   else if (auto outcome = acquire(output); !outcome)
@@ -75,6 +82,7 @@ Outcome<> Camera::expect(const Evaluation& evaluation, const Output* operating_p
     return Fault{FaultKind::no_error_known,
                  "a camera without a scene does not know what it will see: give an operating point "
                  "of what measures in its image"};
+  if (auto outcome = check_intrinsics(evaluation.parameters); !outcome) return outcome;
   simulate(evaluation, 0, output);
   output.samples.standard_deviations = {
       std::sqrt(options_.noise_std * options_.noise_std + 1.0 / 12)};

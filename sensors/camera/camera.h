@@ -16,7 +16,8 @@ namespace ilss {
 /// exact area coverage, adds seeded Gaussian read noise and rounds to 8 bits; a reflectivity of 1
 /// is grey level 255. The intrinsics' errors go with the image as persistent sources; the grey
 /// levels' noise is left to what measures in the image.
-/// Faults: `end_of_data`, `bad_data` (no image, or not rows x columns), `device_lost`.
+/// Faults: `end_of_data`, `bad_data` (no image, or not rows x columns), `device_lost`,
+/// `out_of_range` (intrinsics that no camera has).
 class Camera final : public Module {
  public:
   static constexpr std::string_view name = "camera";
@@ -24,7 +25,8 @@ class Camera final : public Module {
       "grey images from files, a video, a device or a simulated scene";
   static constexpr ModuleKind kind = ModuleKind::sensor;
   static constexpr std::array faults = {FaultKind::end_of_data, FaultKind::bad_data,
-                                        FaultKind::device_lost};
+                                        FaultKind::device_lost, FaultKind::out_of_range,
+                                        FaultKind::no_error_known};
 
   /// The components of Image in their order, then the simulated camera's place: the robot in the
   /// world, and the camera in the robot's frame (x forward, z to the right).
