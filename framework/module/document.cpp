@@ -8,8 +8,9 @@
 
 #include <algorithm>
 #include <fstream>
-#include <map>
+#include <iterator>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <tuple>
@@ -30,10 +31,34 @@ const std::string* intern_file(const std::string& name) {
   return &*names.insert(name).first;
 }
 
-std::size_t count_nodes(const Node& node) {
-  std::size_t count = 1 + node.keys.size();
-  for (const Node& value : node.values) count += count_nodes(value);
-  return count;
+/// How large a value is: itself and all that it holds, and how deeply that is nested.
+struct Extent {
+  std::size_t nodes = 1;
+  std::size_t depth = 1;
+};
+
+Extent extent(const Node& node) {
+  Extent result;
+  result.nodes += node.keys.size();
+  for (const Node& value : node.values) {
+    const Extent inner = extent(value);
+    result.nodes += inner.nodes;
+    result.depth = std::max(result.depth, inner.depth + 1);
+  }
+  return result;
+}
+
+/// YAML allows no control characters, and yaml-cpp takes one of them (0x04) for the end of the
+/// file. Tells where the first one stands.
+std::optional<Position> find_control_character(std::string_view text, const std::string* file) {
+  Position position{file, 1, 1};
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if ((byte < 0x20 && c != '\t' && c != '\n' && c != '\r') || byte == 0x7f) return position;
+    ++position.column;
+    if (c == '\n') position = {file, position.line + 1, 1};
+  }
+  return std::nullopt;
 }
 
 /// Stops the parser when there is no point in reading on; already reported.
@@ -44,11 +69,15 @@ struct StopReading {};
 class TreeBuilder : public YAML::EventHandler {
  public:
   TreeBuilder(const std::string* file, Diagnostics& diagnostics)
-      : file_(file), diagnostics_(diagnostics) {}
+      : file_(file), diagnostics_(diagnostics), root_{Node::Kind::null, {file, 1, 1}} {}
 
   Node take() { return std::move(root_); }
 
-  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (++documents_ == 1) return;
+    diagnostics_.add(position(mark), "a second document begins here; a file holds one");
+    throw StopReading{};
+  }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     place({Node::Kind::null, position(mark)}, anchor);
@@ -60,9 +89,12 @@ class TreeBuilder : public YAML::EventHandler {
       place({Node::Kind::null, position(mark)}, 0);
       return;
     }
+    // Before copying, so that what unfolds without end costs nothing.
+    const Extent size = extent(found->second);
+    check_depth(levels_.size() + size.depth, position(mark));
+    check_count(size.nodes, position(mark));
     Node copy = found->second;
     copy.position = position(mark);
-    count_ += count_nodes(copy);
     place(std::move(copy), 0);
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
@@ -96,11 +128,19 @@ class TreeBuilder : public YAML::EventHandler {
   Position position(const YAML::Mark& mark) const {
     return {file_, mark.line + 1, mark.column + 1};
   }
+  void check_depth(std::size_t depth, Position where) {
+    if (depth <= deepest_nesting) return;
+    diagnostics_.add(where, fmt::format("nested deeper than {} levels", deepest_nesting));
+    throw StopReading{};
+  }
+  void check_count(std::size_t more, Position where) {
+    count_ += more;
+    if (count_ <= most_nodes) return;
+    diagnostics_.add(where, fmt::format("the document unfolds to more than {} values", most_nodes));
+    throw StopReading{};
+  }
   void open(Node node, YAML::anchor_t anchor) {
-    if (levels_.size() >= deepest_nesting) {
-      diagnostics_.add(node.position, fmt::format("nested deeper than {} levels", deepest_nesting));
-      throw StopReading{};
-    }
+    check_depth(levels_.size() + 1, node.position);
     levels_.push_back({std::move(node), anchor});
   }
   void close() {
@@ -109,11 +149,7 @@ class TreeBuilder : public YAML::EventHandler {
     place(std::move(level.node), level.anchor);
   }
   void place(Node node, YAML::anchor_t anchor) {
-    if (++count_ > most_nodes) {
-      diagnostics_.add(node.position,
-                       fmt::format("the document unfolds to more than {} values", most_nodes));
-      throw StopReading{};
-    }
+    check_count(1, node.position);
     if (anchor != 0) anchors_[anchor] = node;
     if (levels_.empty()) {
       root_ = std::move(node);
@@ -164,6 +200,7 @@ class TreeBuilder : public YAML::EventHandler {
   std::vector<Level> levels_;
   std::unordered_map<YAML::anchor_t, Node> anchors_;
   std::size_t count_ = 0;
+  int documents_ = 0;
 };
 
 }  // namespace
@@ -213,49 +250,59 @@ std::string Node::description() const {
 
 Node parse_document(std::string_view text, const std::string& file, Diagnostics& diagnostics) {
   const std::string* name = intern_file(file);
+  if (const auto position = find_control_character(text, name)) {
+    diagnostics.add(*position, "a control character; a YAML file holds text in UTF-8");
+    return {Node::Kind::null, {name, 1, 1}};
+  }
   TreeBuilder builder(name, diagnostics);
   try {
     std::istringstream stream{std::string(text)};
     YAML::Parser parser(stream);
-    if (!parser.HandleNextDocument(builder)) return {Node::Kind::null, {name, 1, 1}};
+    while (parser.HandleNextDocument(builder)) continue;
   } catch (const YAML::Exception& error) {
     diagnostics.add({name, error.mark.line + 1, error.mark.column + 1},
                     "YAML syntax: " + error.msg);
-    return {Node::Kind::null, {name, 1, 1}};
-  } catch (const StopReading&) {
-    return {Node::Kind::null, {name, 1, 1}};
+  } catch (const StopReading&) {  // the reason is among the diagnostics
   }
   return builder.take();
 }
 
 Node read_document(const std::filesystem::path& path, Diagnostics& diagnostics) {
   std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
   std::error_code ignored;
-  if (!stream || std::filesystem::is_directory(path, ignored) || !(text << stream.rdbuf())) {
+  if (!stream || std::filesystem::is_directory(path, ignored)) {
     const std::string* name = intern_file(path.string());
     diagnostics.add({name, 0, 0}, "the file cannot be read");
     return {Node::Kind::null, {name, 0, 0}};
   }
-  return parse_document(text.str(), path.string(), diagnostics);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  return parse_document(text, path.string(), diagnostics);
 }
 
 std::string suggestion(std::string_view name, const std::vector<std::string>& candidates) {
-  // Levenshtein distance; near means at most a third of the letters wrong.
+  // Letters missing, added, wrong or swapped with their neighbour (optimal string alignment); near
+  // means at most a third of the letters, or one of two.
+  const std::size_t most = name.size() < 2 ? 0 : std::max<std::size_t>(1, name.size() / 3);
   const std::string* best = nullptr;
-  std::size_t best_distance = std::max<std::size_t>(1, name.size() / 3) + 1;
+  std::size_t best_distance = most + 1;
+  std::vector<std::size_t> before_last;
+  std::vector<std::size_t> last;
   std::vector<std::size_t> row;
   for (const std::string& candidate : candidates) {
+    if (candidate.size() > name.size() + most || name.size() > candidate.size() + most) continue;
     row.resize(candidate.size() + 1);
-    for (std::size_t j = 0; j <= candidate.size(); ++j) row[j] = j;
+    last.resize(row.size());
+    before_last.resize(row.size());
+    for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
     for (std::size_t i = 1; i <= name.size(); ++i) {
-      std::size_t diagonal = row[0];
+      before_last.swap(last);
+      last.swap(row);
       row[0] = i;
-      for (std::size_t j = 1; j <= candidate.size(); ++j) {
-        const std::size_t above = row[j];
-        row[j] = std::min(
-            {above + 1, row[j - 1] + 1, diagonal + (name[i - 1] == candidate[j - 1] ? 0 : 1)});
-        diagonal = above;
+      for (std::size_t j = 1; j < row.size(); ++j) {
+        const std::size_t wrong = name[i - 1] == candidate[j - 1] ? 0 : 1;
+        row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + wrong});
+        if (i > 1 && j > 1 && name[i - 1] == candidate[j - 2] && name[i - 2] == candidate[j - 1])
+          row[j] = std::min(row[j], before_last[j - 2] + 1);
       }
     }
     if (row.back() < best_distance) {

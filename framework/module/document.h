@@ -63,9 +63,10 @@ struct Node {
   std::string description() const;
 };
 
-/// Reads one YAML document. Syntax errors, duplicate keys, keys that are not scalars, aliases of
-/// unknown or enclosing anchors and documents that unfold to more than a million values go to
-/// `diagnostics`; what could be read is returned. `file` is the name to report positions under.
+/// Reads one YAML document. Syntax errors, control characters, a second document, duplicate keys,
+/// keys that are not scalars, aliases of unknown or enclosing anchors and documents that unfold to
+/// more than a million values or 200 levels go to `diagnostics`; what could be read is returned.
+/// `file` is the name to report positions under.
 Node parse_document(std::string_view text, const std::string& file, Diagnostics& diagnostics);
 
 /// As above from a file; one that cannot be read is a diagnostic.

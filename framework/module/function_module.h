@@ -59,6 +59,8 @@ class FunctionModule final : public Module {
  public:
   static constexpr std::size_t input_count = Signature::arguments - (has_parameters ? 1 : 0);
 
+  static_assert(F::inputs.size() == input_count, "`inputs` names each input of the formula");
+
   explicit FunctionModule(F formula) : formula_(std::move(formula)) {}
 
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override {
@@ -72,7 +74,7 @@ class FunctionModule final : public Module {
                             ? evaluate_linearized<0>(evaluation, output)
                         : any_error ? evaluate_linearized<parameter_columns>(evaluation, output)
                                     : evaluate_value(evaluation, output);
-    output.estimate.correlation_unknown = unknown;
+    if (outcome) output.estimate.correlation_unknown = unknown;
     return outcome;
   }
 
@@ -81,7 +83,8 @@ class FunctionModule final : public Module {
   Outcome<Linearization<rows, all_columns>> differentiate(const Evaluation& evaluation) const {
     Linearization<rows, all_columns> result;
     auto value = call_with_duals<0>(evaluation);
-    if (!value) return value.fault();
+    if (value.is_fault()) return value.fault();
+    if (value.is_pending()) return Pending{};
     read_linearization<rows, all_columns>(components(std::as_const(*value)), result);
     return result;
   }
@@ -109,7 +112,7 @@ class FunctionModule final : public Module {
       fill(std::span<T>(scalars.data(), scalars.size()), estimate, column);
       if constexpr (requires { payload.label; })
         for (std::size_t i = 0; i < payload.label.size(); ++i)
-          payload.label[i] = estimate.labels[i];
+          payload.label[i] = i < estimate.labels.size() ? estimate.labels[i] : 0;
       ++a;
       column += scalars.size();
     };
@@ -127,7 +130,7 @@ class FunctionModule final : public Module {
   /// Calls the formula with derivatives by every argument column from `First` on.
   template <std::size_t First>
   auto call_with_duals(const Evaluation& evaluation) const {
-    constexpr std::size_t columns = all_columns - First;
+    static constexpr std::size_t columns = all_columns - First;
     using T = Dual<columns>;
     const auto tuple =
         arguments<T>(evaluation, [](std::span<T> out, const Estimate& in, std::size_t column) {
@@ -153,7 +156,7 @@ class FunctionModule final : public Module {
 
   template <std::size_t First>
   Outcome<> evaluate_linearized(const Evaluation& evaluation, Output& output) const {
-    constexpr std::size_t columns = all_columns - First;
+    static constexpr std::size_t columns = all_columns - First;
     Linearization<rows, columns> linear;
     if constexpr (requires(const OutDouble& value) { exact_jacobian(evaluation, value, {}); }) {
       auto value = std::apply([&](const auto&... payloads) { return formula_(payloads...); },
@@ -187,6 +190,8 @@ class FunctionModule final : public Module {
       column += Signature::dimensions[a];
     }
     compose({terms.data(), count}, rows, output.estimate.lineage);
+    if (!std::isfinite(sum_of_squares(output.estimate.lineage)))
+      return Fault{FaultKind::not_finite, "the result's error is not finite"};
     return check_finite(output);
   }
 
@@ -205,6 +210,17 @@ class FunctionModule final : public Module {
                           [[maybe_unused]] Output& output) {
     if constexpr (requires { payload.label; })
       output.estimate.labels.assign(payload.label.begin(), payload.label.end());
+  }
+
+  /// Of all sensitivities, in four sums that do not wait for each other.
+  static double sum_of_squares(const Lineage& lineage) {
+    const std::span<const double> g(lineage.factor().data(), rows * lineage.size());
+    std::array<double, 4> sums{};
+    std::size_t i = 0;
+    for (; i + 4 <= g.size(); i += 4)
+      for (std::size_t lane = 0; lane < 4; ++lane) sums[lane] += g[i + lane] * g[i + lane];
+    for (; i < g.size(); ++i) sums[0] += g[i] * g[i];
+    return sums[0] + sums[1] + sums[2] + sums[3];
   }
 
   static Outcome<> check_finite(const Output& output) {
@@ -231,7 +247,7 @@ ModuleType function_type() {
     for (std::size_t i = 0; i < F::inputs.size(); ++i)
       interface.inputs.push_back({std::string(F::inputs[i]), payloads[first + i], {}, false});
     interface.output = &Signature::output();
-    interface.frame_of_input = 0;
+    if (!interface.inputs.empty()) interface.frame_of_input = 0;
     if constexpr (requires { &F::set_frames; }) {
       if constexpr (internal::HasOptions<F>)
         F::set_frames(interface, internal::options_of<F>(settings));

@@ -109,6 +109,7 @@ void check_keys(const Node& map, const std::vector<ParameterDeclaration>& declar
                      [&](const ParameterDeclaration& d) { return d.name == key.text; });
     if (found == declarations.end()) {
       std::vector<std::string> names;
+      names.reserve(declarations.size());
       for (const ParameterDeclaration& d : declarations) names.push_back(d.name);
       diagnostics.add(key.position, fmt::format("{} has no parameter '{}'{}", owner, key.text,
                                                 suggestion(key.text, names)));
@@ -116,6 +117,11 @@ void check_keys(const Node& map, const std::vector<ParameterDeclaration>& declar
     }
     check_value_keys(map.values[i], *found, owner, diagnostics);
   }
+}
+
+std::string OptionVisitor::full_name(std::string_view name) const {
+  if (group_.empty() || name.empty()) return group_ + std::string(name);
+  return fmt::format("{}.{}", group_, name);
 }
 
 void OptionVisitor::complain(const Node& node, std::string message) {

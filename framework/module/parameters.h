@@ -97,6 +97,9 @@ class OptionVisitor {
                                std::string_view documentation, const OptionAttributes& attributes);
   template <typename T>
   void read(const Node& node, T& value, const OptionAttributes& attributes);
+  template <typename T>
+  void read_group(const Node* map, T& value);
+  std::string full_name(std::string_view name) const;
   void read_scalar(const Node& node, bool& value);
   void read_scalar(const Node& node, std::int64_t& value, const OptionAttributes& attributes);
   void read_scalar(const Node& node, double& value, const OptionAttributes& attributes);
@@ -110,6 +113,8 @@ class OptionVisitor {
   const std::filesystem::path* directory_ = nullptr;
   Diagnostics* diagnostics_ = nullptr;
   Position fallback_ = {};
+  std::string group_ = {};      ///< the group being read: "mount"
+  std::string_view name_ = {};  ///< the option being read
 };
 
 /// Reads a YAML file whose top level is a declared struct.
@@ -140,9 +145,21 @@ void OptionVisitor::operator()(std::string_view name, T& value, std::string_view
     return;
   }
   const Node* node = map_ != nullptr ? map_->find(name) : nullptr;
+  name_ = name;
   if (node != nullptr && !node->is_null()) return read(*node, value, attributes);
-  if (attributes.required)
-    diagnostics_->add(fallback_, "missing parameter '" + std::string(name) + "'");
+  if (attributes.required) {
+    diagnostics_->add(fallback_, "missing parameter '" + full_name(name) + "'");
+  } else if constexpr (requires { value.declare(*this); }) {
+    read_group(nullptr, value);  // what the group requires is missing, too
+  }
+}
+
+template <typename T>
+void OptionVisitor::read_group(const Node* map, T& value) {
+  OptionVisitor visitor(map, *directory_, *diagnostics_,
+                        map != nullptr ? map->position : fallback_);
+  visitor.group_ = full_name(name_);
+  value.declare(visitor);
 }
 
 template <typename T>
@@ -186,7 +203,7 @@ ParameterDeclaration OptionVisitor::declare(std::string_view name, const T& valu
   } else if constexpr (internal::VectorOf<T>::value) {
     d.kind = Kind::list;
     d.children = {declare("", typename T::value_type{}, "", attributes)};
-  } else {
+  } else if constexpr (!internal::OptionalOf<T>::value) {
     d.kind = Kind::group;
     OptionVisitor visitor(d.children);
     T copy = value;
@@ -214,7 +231,7 @@ void OptionVisitor::read(const Node& node, T& value, const OptionAttributes& att
     OptionAttributes bounds = attributes;
     bounds.minimum = std::max(bounds.minimum, static_cast<double>(std::numeric_limits<T>::min()));
     bounds.maximum = std::min(bounds.maximum, static_cast<double>(std::numeric_limits<T>::max()));
-    std::int64_t wide = static_cast<std::int64_t>(value);
+    auto wide = static_cast<std::int64_t>(value);
     read_scalar(node, wide, bounds);
     value = static_cast<T>(wide);
   } else if constexpr (Choice<T>) {
@@ -227,8 +244,7 @@ void OptionVisitor::read(const Node& node, T& value, const OptionAttributes& att
       value.content = read_options_file<decltype(value.content)>(value.path, *diagnostics_);
   } else if constexpr (requires { value.declare(*this); }) {
     if (!node.is_map()) return complain(node, "expected a map, got " + node.description());
-    OptionVisitor visitor(&node, *directory_, *diagnostics_, node.position);
-    value.declare(visitor);
+    read_group(&node, value);
   } else {
     read_scalar(node, value);
   }

@@ -23,13 +23,18 @@ void Registry::add_payload(const PayloadDescriptor& payload) {
   const auto [place, fresh] = payloads_.emplace(payload.name, &payload);
   if (fresh || place->second == &payload) return;
   const PayloadDescriptor& known = *place->second;
-  bool same = known.components.size() == payload.components.size();
-  for (std::size_t i = 0; same && i < payload.components.size(); ++i)
-    same = known.components[i].name == payload.components[i].name &&
-           known.components[i].unit == payload.components[i].unit;
+  const bool same =
+      std::equal(known.components.begin(), known.components.end(), payload.components.begin(),
+                 payload.components.end(),
+                 [](const Component& a, const Component& b) {
+                   return a.name == b.name && a.unit == b.unit && a.circular == b.circular;
+                 }) &&
+      std::equal(
+          known.labels.begin(), known.labels.end(), payload.labels.begin(), payload.labels.end(),
+          [](const Label& a, const Label& b) { return a.name == b.name && a.values == b.values; });
   if (!same)
-    throw std::invalid_argument(
-        fmt::format("payload '{}' is declared twice with other components", payload.name));
+    throw std::invalid_argument(fmt::format(
+        "payload '{}' is declared twice, with different components or labels", payload.name));
 }
 
 const ModuleType* Registry::find(std::string_view name) const {
