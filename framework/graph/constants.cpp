@@ -80,6 +80,7 @@ void Constants::read_vector(const std::string& name, const Node& map, const std:
       diagnostics.add(
           key.position,
           fmt::format("a vector constant has value and covariance, not '{}'", key.text));
+  if (values.size() == 0) diagnostics.add(values.position, "a vector needs an element");
   std::vector<ConstantElement> elements;
   for (const Node& key : values.keys)
     if (!is_name(key.text))
