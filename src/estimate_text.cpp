@@ -49,7 +49,7 @@ ReadingUnit reading_unit(const std::string& si_unit) {
 
 std::string quantity_text(double value, const std::string& si_unit) {
   const auto [unit, factor] = reading_unit(si_unit);
-  return fmt::format("{:.6g}{}{}", value * factor, unit.empty() ? "" : " ", unit);
+  return fmt::format("{:.3g}{}{}", value * factor, unit.empty() ? "" : " ", unit);
 }
 
 std::string quantity_text(double value, double standard_deviation, const std::string& si_unit) {
@@ -71,8 +71,8 @@ std::string estimate_text(const Estimate& estimate, const VerdictReport& verdict
     text += fmt::format(
         "  {:<12} {}", component.name,
         quantity_text(estimate.value[i], estimate.lineage.standard_deviation(i), component.unit));
-    if (verdict.verdict != Verdict::linear_ok && i < verdict.bias.size())
-      text += fmt::format("   (second order: bias {}, std {})",
+    if (i < verdict.components.size() && verdict.components[i] != Verdict::linear_ok)
+      text += fmt::format("   ({}: bias {}, more std {})", verdict_name(verdict.components[i]),
                           quantity_text(verdict.bias[i], component.unit),
                           quantity_text(std::sqrt(verdict.extra_variance[i]), component.unit));
     text += "\n";

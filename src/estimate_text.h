@@ -16,7 +16,7 @@ struct ReadingUnit {
 };
 ReadingUnit reading_unit(const std::string& si_unit);
 
-/// "0.93 m" as "930 mm": a value, or a value and its standard deviation.
+/// An error such as "1.25 mm", or a value with its standard deviation: "930.0 ± 1.2 mm".
 std::string quantity_text(double value, const std::string& si_unit);
 std::string quantity_text(double value, double standard_deviation, const std::string& si_unit);
 

@@ -106,10 +106,11 @@ void observe_outputs(const System& system, std::vector<OutputSummary>& summaries
   }
 }
 
+/// Faults by kind; the end of the data is how runs end, not a fault to count.
 std::string fault_counts_text(const OutcomeCounts& counts) {
   std::string text;
   for (std::size_t kind = 0; kind < OutcomeCounts::fault_kinds; ++kind)
-    if (counts.faults_by_kind[kind] != 0)
+    if (counts.faults_by_kind[kind] != 0 && static_cast<FaultKind>(kind) != FaultKind::end_of_data)
       text += fmt::format("{}{} {}", text.empty() ? "" : ", ", counts.faults_by_kind[kind],
                           fault_name(static_cast<FaultKind>(kind)));
   if (counts.pending != 0)

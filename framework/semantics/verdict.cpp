@@ -162,9 +162,9 @@ std::vector<VerdictReport> judge(const System& system, const std::vector<std::si
     const Estimate& estimate = system.node(outputs[o]).output.estimate;
     for (std::size_t c = 0; c < moments[o].size(); ++c) {
       const double variance = estimate.lineage.variance(c);
-      reports[o].verdict =
-          std::max(reports[o].verdict,
-                   judge_component(moments[o][c], variance, std::abs(estimate.value[c])));
+      const Verdict verdict = judge_component(moments[o][c], variance, std::abs(estimate.value[c]));
+      reports[o].components.push_back(verdict);
+      reports[o].verdict = std::max(reports[o].verdict, verdict);
       reports[o].bias.push_back(moments[o][c].curvature / 2);
       reports[o].extra_variance.push_back(moments[o][c].squared_curvature / 2);
     }

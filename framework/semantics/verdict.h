@@ -19,7 +19,8 @@ std::string_view verdict_name(Verdict verdict);
 
 /// The verdict on one output and what it rests on, per component (SI units).
 struct VerdictReport {
-  Verdict verdict = Verdict::linear_ok;
+  Verdict verdict = Verdict::linear_ok;  ///< the worst of the components'
+  std::vector<Verdict> components;
   std::vector<double> bias;            ///< second-order shift of the mean
   std::vector<double> extra_variance;  ///< second-order variance, beyond the first-order one
 };
