@@ -178,7 +178,7 @@ class PlanBuilder {
   std::vector<std::size_t> evaluation_order();
   void report_cycles(const std::vector<std::size_t>& waiting_for);
   void check_connections(const std::vector<std::size_t>& order);
-  void check_input(std::size_t node, std::size_t input);
+  void check_input(std::size_t index, std::size_t i);
   std::optional<Plan> finish(const Node& graph, const std::vector<std::size_t>& order,
                              const std::vector<std::size_t>& outputs);
 
@@ -202,7 +202,7 @@ void PlanBuilder::place(const Override& override, const Constants* constants,
 Instance PlanBuilder::read_system(const Node& graph, const std::string& prefix,
                                   const std::filesystem::path& directory,
                                   const std::vector<PlacedOverride>& overrides) {
-  const Instance unread{.counted = false};
+  Instance unread{.counted = false};
   static const std::vector<std::string> known = {"ilss", "description", "constants", "modules",
                                                  "network"};
   static const std::vector<std::string> later = {"commands", "tests",  "monitors",

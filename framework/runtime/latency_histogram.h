@@ -58,7 +58,7 @@ class LatencyHistogram {
   /// takes 2^precision_bits buckets of equal width.
   static constexpr std::size_t bucket_of(std::uint64_t value) noexcept {
     const std::uint64_t clamped = std::min(value, largest);
-    const unsigned width = static_cast<unsigned>(std::bit_width(clamped | (1U << precision_bits)));
+    const auto width = static_cast<unsigned>(std::bit_width(clamped | (1U << precision_bits)));
     const unsigned shift = width - precision_bits - 1;
     return (std::size_t{shift} << precision_bits) + static_cast<std::size_t>(clamped >> shift);
   }
