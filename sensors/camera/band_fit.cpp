@@ -201,17 +201,21 @@ std::optional<Optimum> minimize(const BandProblem& problem, const Unknowns& star
     if (factor.info() != Eigen::Success || !(factor.rcond() > least_condition)) return std::nullopt;
     const Unknowns step = factor.solve(gradient);
     variance = std::max(best.cost / problem.degrees_of_freedom(), rounding_variance);
-    const bool last = step.dot(gradient) < converged * converged * variance;
+    const double promised = step.dot(gradient);
+    const bool last = promised < converged * converged * variance;
     Optimum trial{best.x + step, 0, {}};
     Unknowns trial_gradient;
-    if (problem.linearize(trial.x, trial.cost, trial.normal, trial_gradient, nullptr) &&
-        trial.cost <= best.cost) {
+    const bool possible =
+        problem.linearize(trial.x, trial.cost, trial.normal, trial_gradient, nullptr);
+    const double kept = possible ? (best.cost - trial.cost) / promised : -1;
+    if (kept < 0.25)
+      damping = std::max(4 * damping, 0.5);
+    else if (kept > 0.75)
+      damping = damping < 0.1 ? 0 : 0.1 * damping;
+    if (possible && trial.cost <= best.cost) {
       improvement = best.cost - trial.cost;
       best = trial;
       gradient = trial_gradient;
-      damping = damping < 1e-3 ? 0 : damping * 0.1;
-    } else {
-      damping = std::max(10 * damping, 1e-3);
     }
     if (last) return best;
   }

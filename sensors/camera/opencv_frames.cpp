@@ -1,6 +1,7 @@
 // Images, videos and devices through OpenCV; a library of its own, loaded by open_frames.
 #include <algorithm>
 #include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
@@ -73,7 +74,7 @@ class Capture final : public FrameSource {
  public:
   explicit Capture(const std::filesystem::path& video)
       : name_("the video '" + video.string() + "'"), end_(FaultKind::end_of_data) {
-    capture_.open(video.string());
+    if (std::filesystem::exists(video)) capture_.open(video.string());
   }
   explicit Capture(std::int64_t device)
       : name_("camera device " + std::to_string(device)), end_(FaultKind::device_lost) {
@@ -114,6 +115,8 @@ class Guarded final : public FrameSource {
 
  private:
   void open() {
+    // What goes wrong is said once, as a fault.
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
     if (request_.video)
       source_ = std::make_unique<Capture>(*request_.video);
     else if (request_.device)

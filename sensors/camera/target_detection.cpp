@@ -83,6 +83,14 @@ double row_distance(const StraightEdge& line, const Run& run) {
   return run.ideal.row - (line.offset + line.slope * (run.ideal.column - line.reference));
 }
 
+constexpr double run_tolerance = 1;
+std::vector<const Run*> runs_near(const std::vector<Run>& runs, const StraightEdge& line) {
+  std::vector<const Run*> result;
+  for (const Run& run : runs)
+    if (std::abs(row_distance(line, run)) < run_tolerance) result.push_back(&run);
+  return result;
+}
+
 /// The straight line through most runs' centres (random pairs of them, consensus within a pixel).
 struct LineCandidate {
   StraightEdge line{};
@@ -91,7 +99,6 @@ struct LineCandidate {
 LineCandidate find_line(const std::vector<Run>& runs, const ImageView& view) {
   constexpr int most_trials = 400;
   constexpr double steepest = 1;
-  constexpr double tolerance = 1;
   RandomBits random(1);
   StraightEdge best{0, 0, std::floor(0.5 * view.along_size), false};
   int most = 0;
@@ -105,17 +112,14 @@ LineCandidate find_line(const std::vector<Run>& runs, const ImageView& view) {
     if (std::abs(line.slope) > steepest) continue;
     line.offset = p.ideal.row + line.slope * (line.reference - p.ideal.column);
     const int count = static_cast<int>(std::count_if(runs.begin(), runs.end(), [&](const Run& run) {
-      return std::abs(row_distance(line, run)) < tolerance;
+      return std::abs(row_distance(line, run)) < run_tolerance;
     }));
     if (count <= most) continue;
     most = count;
     best = line;
     if (10 * most > 9 * view.along_size) break;
   }
-  LineCandidate result{best, {}};
-  for (const Run& run : runs)
-    if (std::abs(row_distance(best, run)) < tolerance) result.runs.push_back(&run);
-  return result;
+  return {best, runs_near(runs, best)};
 }
 
 /// Refines a candidate: keeps runs of its usual length, which leaves out where stripes cross, and
@@ -306,6 +310,8 @@ Outcome<DetectedTarget> detect_target(const ImageView& view, const Image<double>
   LineCandidate line = find_line(runs, view);
   if (line.runs.size() < std::max(least_columns, columns / 5))
     return no_detection("the image shows no dark, nearly horizontal line");
+  refine_line(line);
+  line.runs = runs_near(runs, line.line);  // a line through two runs may have missed the farthest
   const double thickness = refine_line(line);
   const Surroundings surroundings(view, camera, threshold, line.line, thickness);
   std::vector<Beside> beside;
