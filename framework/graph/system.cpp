@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace ilss {
@@ -38,7 +39,11 @@ System::System(const Plan& plan, std::uint64_t seed, Folding folding)
     state.module = create_module(node);
     state.output.estimate = Estimate(*node.interface.output, node.frame);
     state.seed_ = derive_seed(seed, node.name);
-    for (const PlanInput& input : node.inputs) state.inputs_.push_back(&nodes_[input.node].output);
+    for (const PlanInput& input : node.inputs) {
+      const NodeState& producer = nodes_[input.node];
+      state.feeds_.push_back({&producer, input.max_age.value_or(INFINITY)});
+      state.inputs_.push_back(&producer.output);
+    }
   }
 }
 
@@ -48,7 +53,7 @@ void System::begin_tick(double time) {
   ++tick_;
 }
 
-Evaluation System::evaluation(std::size_t i) const {
+inline Evaluation System::evaluation(std::size_t i) const {
   const NodeState& state = nodes_[i];
   return {.tick = tick_ - 1,
           .time = time_,
@@ -58,46 +63,70 @@ Evaluation System::evaluation(std::size_t i) const {
           .inputs = state.inputs_};
 }
 
-double System::oldest_input(const NodeState& state) const {
-  double oldest = time_;
-  for (const Output* input : state.inputs_) oldest = std::min(oldest, input->acquired);
-  return oldest;
+void System::evaluate(double time) {
+  begin_tick(time);
+  for (std::size_t i = 0; i < nodes_.size(); ++i) evaluate_node(i);
 }
 
-bool System::inputs_ready(std::size_t i) {
+/// Whether the node has all that it needs for this tick; then `output.acquired` is the oldest
+/// input's. Otherwise its outcome is set. In one pass and free of what seldom happens, since this
+/// is what a tick mostly does.
+inline bool System::take_inputs(std::size_t i) {
   NodeState& state = nodes_[i];
-  const PlanNode& node = plan_->nodes[i];
-  bool any_fresh = node.inputs.empty();
+  bool any_fresh = state.feeds_.empty();
   bool all_there = true;
-  for (const PlanInput& input : node.inputs) {
-    const NodeState& producer = nodes_[input.node];
-    if (producer.outcome.is_fault()) {
-      state.origin = producer.origin.value_or(input.node);
-      state.outcome = producer.outcome.fault();
-      return false;
-    }
+  bool any_fault = false;
+  bool any_stale = false;
+  double oldest = time_;
+  for (const NodeState::Feed& feed : state.feeds_) {
+    const NodeState& producer = *feed.producer;
+    any_fault |= producer.outcome.is_fault();
     any_fresh |= producer.fresh;
     all_there &= producer.has_value;
+    any_stale |= time_ - producer.output.acquired > feed.max_age;
+    oldest = std::min(oldest, producer.output.acquired);
   }
-  if (!any_fresh || !all_there) {
+  if (!any_fault && any_fresh && all_there && !any_stale) {
+    state.output.acquired = oldest;
+    return true;
+  }
+  if (any_fault)
+    inherit_fault(i);
+  else if (!any_fresh || !all_there)
     state.outcome = Pending{};
-    return false;
+  else
+    report_stale(i);
+  return false;
+}
+
+void System::inherit_fault(std::size_t i) {
+  NodeState& state = nodes_[i];
+  for (const PlanInput& input : plan_->nodes[i].inputs) {
+    const NodeState& producer = nodes_[input.node];
+    if (!producer.outcome.is_fault()) continue;
+    state.origin = producer.origin.value_or(input.node);
+    state.outcome = producer.outcome.fault();
+    break;
   }
-  for (const PlanInput& input : node.inputs) {
+  state.has_value = false;
+}
+
+void System::report_stale(std::size_t i) {
+  NodeState& state = nodes_[i];
+  for (const PlanInput& input : plan_->nodes[i].inputs) {
     const double age = time_ - nodes_[input.node].output.acquired;
     if (!input.max_age || age <= *input.max_age) continue;
-    state.origin = i;
     state.outcome =
-        Fault{FaultKind::stale, fmt::format("'{}' is {:.4g} s old; at most {:.4g} s are "
-                                            "allowed",
+        Fault{FaultKind::stale, fmt::format("'{}' is {:.4g} s old; at most {:.4g} s are allowed",
                                             plan_->nodes[input.node].name, age, *input.max_age)};
-    return false;
+    break;
   }
-  return true;
+  state.origin = i;
+  state.has_value = false;
 }
 
 template <typename Call>
-void System::call_module(std::size_t i, Call call) {
+inline void System::call_module(std::size_t i, Call call) {
   NodeState& state = nodes_[i];
   try {
     state.outcome = call();
@@ -109,9 +138,8 @@ void System::call_module(std::size_t i, Call call) {
   if (state.outcome.has_output()) {
     state.fresh = true;
     state.has_value = true;
-    if (folding_ != Folding::none &&
-        state.output.estimate.lineage.size() > state.output.estimate.dimension())
-      fold(i);
+    const Estimate& estimate = state.output.estimate;
+    if (estimate.lineage.size() > estimate.dimension() && worth_folding(i)) fold(i);
   } else if (state.outcome.is_fault()) {
     state.origin = i;
     state.has_value = false;
@@ -122,27 +150,35 @@ void System::evaluate_node(std::size_t i) {
   NodeState& state = nodes_[i];
   state.fresh = false;
   state.origin.reset();
-  if (!inputs_ready(i)) {
-    if (state.outcome.is_fault()) state.has_value = false;
-    return;
-  }
   const double held_since = state.output.acquired;
-  state.output.acquired = oldest_input(state);
+  if (!take_inputs(i)) return;
   call_module(i, [&] { return state.module->evaluate(evaluation(i), state.output); });
   if (state.outcome.is_pending()) state.output.acquired = held_since;
 }
 
+/// Whether `fold` would find anything: more columns than components, of one owner or in all.
+bool System::worth_folding(std::size_t i) const {
+  const Lineage& lineage = nodes_[i].output.estimate.lineage;
+  const std::size_t dimension = lineage.dimension();
+  if (folding_ == Folding::none) return false;
+  std::size_t count = 0;
+  std::uint32_t owner = lineage.sources().front().owner;
+  for (const Source& source : lineage.sources()) {
+    if (folding_ == Folding::per_owner && source.owner != owner) count = 0;
+    owner = source.owner;
+    if (foldable(i, source) && ++count > dimension) return true;
+  }
+  return false;
+}
+
 void System::fold(std::size_t i) {
   Lineage& lineage = nodes_[i].output.estimate.lineage;
-  const auto foldable = [&](const Source& source) {
-    return !source.persistent() && source.owner < nodes_.size() &&
-           post_dominators_.post_dominates(i, source.owner);
-  };
+  const auto may_fold = [this, i](const Source& source) { return foldable(i, source); };
   const auto folder = static_cast<std::uint32_t>(i);
   if (folding_ == Folding::per_owner)
-    lineage.fold(foldable, folder);
+    lineage.fold(may_fold, folder);
   else
-    lineage.fold_together(foldable, folder, folder);
+    lineage.fold_together(may_fold, folder, folder);
 }
 
 void System::expect(const std::map<std::size_t, OperatingPoint>& operating_points) {
@@ -169,8 +205,10 @@ void System::expect(const std::map<std::size_t, OperatingPoint>& operating_point
     }
     const Output* operating_point =
         point == operating_points.end() ? nullptr : &point->second.value;
-    if (operating_point == nullptr && !inputs_ready(i)) continue;
-    state.output.acquired = operating_point == nullptr ? oldest_input(state) : time_;
+    if (operating_point != nullptr)
+      state.output.acquired = time_;
+    else if (!take_inputs(i))
+      continue;
     call_module(i,
                 [&] { return state.module->expect(evaluation(i), operating_point, state.output); });
   }

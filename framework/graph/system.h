@@ -23,24 +23,23 @@ enum class Folding {
 /// The state of one node after a tick.
 struct NodeState {
   std::unique_ptr<Module> module;
-  Output output = {};  ///< the latest output; held while later ticks are pending
   Outcome<> outcome = Pending{};
   std::optional<std::size_t> origin =
       {};                  ///< the node whose fault this is, where it came from above
   bool has_value = false;  ///< `output` holds one
   bool fresh = false;      ///< made in this tick
+  Output output = {};      ///< the latest output; held while later ticks are pending
 
  private:
   friend class System;
-  std::vector<const Output*> inputs_;
+  /// A connection: who gives the input, and how old it may be (s; infinite: as it likes).
+  struct Feed {
+    const NodeState* producer;
+    double max_age;
+  };
+  std::vector<Feed> feeds_;
+  std::vector<const Output*> inputs_;  ///< the feeds' outputs
   std::uint64_t seed_ = 0;
-};
-
-/// Observes the evaluation of a tick; the default sees nothing and costs nothing.
-struct NoObserver {
-  void begin_tick() {}
-  void end_node(std::size_t /*node*/) {}
-  void end_tick() {}
 };
 
 /// A plan's modules at work. Copies nothing of the plan, which must outlive it.
@@ -56,10 +55,8 @@ class System {
   std::int64_t ticks() const { return tick_; }
 
   /// Evaluates the next tick at `time` (s since the start; must not run backwards).
-  void evaluate(double time) {
-    NoObserver observer;
-    evaluate(time, observer);
-  }
+  void evaluate(double time);
+  /// As above, and tells an observer: `begin_tick()`, `end_node(i)` after each node, `end_tick()`.
   template <typename Observer>
   void evaluate(double time, Observer& observer) {
     begin_tick(time);
@@ -94,12 +91,18 @@ class System {
  private:
   void begin_tick(double time);
   void evaluate_node(std::size_t i);
-  bool inputs_ready(std::size_t i);
-  double oldest_input(const NodeState& state) const;
+  bool take_inputs(std::size_t i);
+  void inherit_fault(std::size_t i);
+  void report_stale(std::size_t i);
   Evaluation evaluation(std::size_t i) const;
   template <typename Call>
   void call_module(std::size_t i, Call call);
   void fold(std::size_t i);
+  bool worth_folding(std::size_t i) const;
+  bool foldable(std::size_t i, const Source& source) const {
+    return !source.persistent() && source.owner < nodes_.size() &&
+           post_dominators_.post_dominates(i, source.owner);
+  }
 
   const Plan* plan_;
   Folding folding_;
