@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -31,12 +32,14 @@ class Counter final : public Module {
     std::int64_t fault_at = -1;
     double delay = 0;
     double std = 0;
+    std::int64_t parts = 1;
     void declare(OptionVisitor& visit) {
       visit("period", period, "Ticks from one output to the next");
       visit("first", first, "The first tick at which it is due");
       visit("fault_at", fault_at, "The tick at which it detects nothing");
       visit("delay", delay, "Age of the data", {.unit = "s"});
       visit("std", std, "Noise");
+      visit("parts", parts, "Independent parts of the noise", {.minimum = 1});
     }
   };
   static Interface interface() { return {{}, &descriptor<Number>(), "robot", {}}; }
@@ -49,7 +52,9 @@ class Counter final : public Module {
     const double noise =
         options_.std * static_cast<double>(evaluation.random()() >> 32U) / 4294967296.0;
     assign<Number>(output.estimate, {static_cast<double>(++count_) + noise});
-    if (options_.std > 0) output.estimate.lineage.add(evaluation.fresh(0), 0, options_.std);
+    const double part = options_.std / std::sqrt(static_cast<double>(options_.parts));
+    for (std::uint32_t k = 0; options_.std > 0 && k < options_.parts; ++k)
+      output.estimate.lineage.add(evaluation.fresh(k), 0, part);
     output.acquired = evaluation.time - options_.delay;
     return {};
   }

@@ -1,0 +1,121 @@
+// No memory is allocated from tick to tick once buffers have grown. Every form of operator new of
+// this program is counted here.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "framework/estimate/units.h"
+#include "framework/runtime/runner.h"
+#include "tests/framework/runtime/test_modules.h"
+
+namespace {
+
+std::atomic<std::size_t> allocations = 0;
+
+void* counted(std::size_t size, std::size_t alignment = alignof(std::max_align_t)) {
+  ++allocations;
+  const std::size_t rounded = (size / alignment + 1) * alignment;
+  void* memory = std::aligned_alloc(alignment, rounded);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+// The other forms (arrays, nothrow) call these.
+void* operator new(std::size_t size) { return counted(size); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+
+namespace ilss {
+namespace {
+
+using test::plan_of;
+
+/// Allocations in 1,000 ticks after the first 100.
+std::size_t allocations_of(const std::string& text, Folding folding) {
+  const Plan plan = plan_of(text);
+  Runner runner(plan, 1, folding);
+  int tick = 0;
+  for (; tick < 100; ++tick) runner.step(0.01 * tick);
+  const std::size_t before = allocations;
+  for (; tick < 1100; ++tick) runner.step(0.01 * tick);
+  const std::size_t counted = allocations - before;
+  for (std::size_t i = 0; i < runner.system().size(); ++i)
+    EXPECT_GT(runner.outcomes(i).outputs, 500U) << plan.nodes[i].name;
+  return counted;
+}
+
+const std::string diamond = R"(
+ilss: diamond
+constants:
+  step: {value: 1, std: 0.1}
+modules:
+  counter: {type: counter, std: 0.3}
+  left: {type: increment, step: $step}
+  right: {type: increment, step: {value: 2, std: 0.2}}
+  difference: {type: subtract}
+  last: {type: increment, step: $step}
+network:
+  serial: [counter, combine: [left, right], difference, last]
+)";
+
+/// Eight sensors of different rates into one sum, in which everything can fold; two of them have
+/// more sources than components, which folds by owner.
+const std::string eight_sources = R"(
+ilss: eight
+modules:
+  a: {type: counter, std: 1, parts: 3}
+  b: {type: counter, std: 2}
+  c: {type: counter, std: 3, period: 2}
+  d: {type: counter, std: 4, parts: 2}
+  e: {type: counter, std: 5}
+  f: {type: counter, std: 6}
+  g: {type: counter, std: 7}
+  h: {type: counter, std: 8}
+  sum: {type: sum}
+  next: {type: increment, step: {value: 1, std: 0.5}}
+network:
+  serial: [combine: [a, b, c, d, e, f, g, h], sum, next]
+)";
+
+TEST(Allocation, IsCountedWithinTheLibraryToo) {
+  const std::size_t before = allocations;
+  EXPECT_EQ(dimension_name("kg.m2.s-3"), "a quantity in kg.m2.s-3");
+  EXPECT_GT(allocations, before);
+}
+
+TEST(Allocation, NoneInTheSteadyStateOfADiamondWithUncertainParameters) {
+  for (const Folding folding : {Folding::none, Folding::per_owner, Folding::all})
+    EXPECT_EQ(allocations_of(diamond, folding), 0U) << static_cast<int>(folding);
+}
+
+TEST(Allocation, NoneInTheSteadyStateOfEightSourcesFoldedOrNot) {
+  for (const Folding folding : {Folding::none, Folding::per_owner, Folding::all})
+    EXPECT_EQ(allocations_of(eight_sources, folding), 0U) << static_cast<int>(folding);
+}
+
+TEST(Allocation, FoldingEightSourcesTogetherLeavesOneRandomColumnOfTheSameVariance) {
+  const Plan plan = plan_of(eight_sources);
+  System folded(plan, 1, Folding::all);
+  System whole(plan, 1, Folding::none);
+  for (int tick = 0; tick < 4; ++tick) {
+    folded.evaluate(tick);
+    whole.evaluate(tick);
+    const auto sum = plan.find("sum").value();
+    const Lineage& lineage = folded.node(sum).output.estimate.lineage;
+    EXPECT_EQ(lineage.size(), 1U);
+    EXPECT_EQ(whole.node(sum).output.estimate.lineage.size(), 11U);
+    EXPECT_NEAR(lineage.variance(0), whole.node(sum).output.estimate.lineage.variance(0), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace ilss
