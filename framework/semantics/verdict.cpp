@@ -2,6 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <span>
+#include <string>
+
+#include "framework/estimate/random.h"
 
 namespace ilss {
 namespace {
@@ -29,18 +34,34 @@ class Perturbation {
 
   const std::vector<Source>& sources() const { return sources_; }
 
-  /// Moves one source by `amount` standard deviations and redoes every function; false on a fault.
-  bool apply(const Source& source, double amount) {
+  /// Moves each source by its amount (standard deviations, in the order of `sources`) and redoes
+  /// every function; false on a fault.
+  bool apply(std::span<const double> amounts) {
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       NodeValues& node = nodes_[i];
       if (node.role == Role::moved) {
-        move(system_.node(i).output.estimate, source, amount, node.output.estimate);
+        move(system_.node(i).output.estimate, amounts, node.output.estimate);
       } else if (node.role == Role::redone) {
-        move(system_.plan().nodes[i].parameters, source, amount, node.parameters);
+        move(system_.plan().nodes[i].parameters, amounts, node.parameters);
         if (!system_.try_function(i, node.parameters, node.inputs, node.output)) return false;
       }
     }
     return true;
+  }
+
+  /// The largest number of each unit among what is redone and moved: rounding is relative to it,
+  /// not to what is left where large numbers cancel.
+  std::map<std::string, double, std::less<>> sizes() const {
+    std::map<std::string, double, std::less<>> result;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      if (nodes_[i].role == Role::unused) continue;
+      const Estimate& estimate = system_.node(i).output.estimate;
+      for (std::size_t c = 0; c < estimate.dimension(); ++c) {
+        double& size = result[estimate.type->components[c].unit];
+        size = std::max(size, std::abs(estimate.value[c]));
+      }
+    }
+    return result;
   }
 
   const Estimate& value(std::size_t node) const { return nodes_[node].output.estimate; }
@@ -73,13 +94,16 @@ class Perturbation {
   void collect(const Lineage& lineage) {
     sources_.insert(sources_.end(), lineage.sources().begin(), lineage.sources().end());
   }
-  static void move(const Estimate& from, const Source& source, double amount, Estimate& to) {
+  void move(const Estimate& from, std::span<const double> amounts, Estimate& to) const {
     to.value = from.value;
-    const auto sources = from.lineage.sources();
-    const auto found = std::lower_bound(sources.begin(), sources.end(), source);
-    if (found == sources.end() || *found != source) return;
-    const auto column = from.lineage.column(static_cast<std::size_t>(found - sources.begin()));
-    for (std::size_t c = 0; c < column.size(); ++c) to.value[c] += amount * column[c];
+    auto at = sources_.begin();
+    for (std::size_t k = 0; k < from.lineage.size(); ++k) {
+      at = std::lower_bound(at, sources_.end(), from.lineage.sources()[k]);
+      const double amount = amounts[static_cast<std::size_t>(at - sources_.begin())];
+      if (amount == 0) continue;
+      const auto column = from.lineage.column(k);
+      for (std::size_t c = 0; c < column.size(); ++c) to.value[c] += amount * column[c];
+    }
   }
 
   const System& system_;
@@ -92,13 +116,17 @@ struct Moments {
   double curvature = 0;          ///< of second differences
   double squared_curvature = 0;  ///< of their squares
   double secant_variance = 0;    ///< of squared central differences
+  double mixed_variance = 0;     ///< second-order variance of sources moving together
+
+  double bias() const { return curvature / 2; }
+  double extra_variance() const { return squared_curvature / 2 + mixed_variance; }
 };
 
-Verdict judge_component(const Moments& moments, double variance, double scale) {
-  const double bias = std::abs(moments.curvature) / 2;
-  const double extra = moments.squared_curvature / 2;
+Verdict judge_component(const Moments& moments, double variance, double size) {
+  const double bias = std::abs(moments.bias());
+  const double extra = moments.extra_variance();
   // An error of rounding is no error.
-  const double rounding = 1e-9 * scale;
+  const double rounding = 1e-12 * size;
   if (bias <= rounding && std::sqrt(extra) <= rounding &&
       std::sqrt(std::abs(moments.secant_variance - variance)) <= rounding)
     return Verdict::linear_ok;
@@ -108,6 +136,93 @@ Verdict judge_component(const Moments& moments, double variance, double scale) {
       std::abs(moments.secant_variance - variance) <= largest_relative_variance_change * variance;
   return linear ? Verdict::linear_ok : Verdict::second_order;
 }
+
+/// Moves sources and gathers what that does to every output component.
+class Probe {
+ public:
+  Probe(const System& system, const std::vector<std::size_t>& cut)
+      : system_(system), perturbation_(system, cut), amounts_(perturbation_.sources().size(), 0.0) {
+    for (const std::size_t output : outputs()) {
+      const std::size_t dimension = system.node(output).output.estimate.dimension();
+      moments_.emplace_back(dimension);
+      above_.emplace_back(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(dimension)));
+    }
+  }
+
+  const std::vector<std::size_t>& outputs() const { return system_.plan().outputs; }
+  const Moments& moments(std::size_t output, std::size_t component) const {
+    return moments_[output][component];
+  }
+  std::map<std::string, double, std::less<>> sizes() const { return perturbation_.sizes(); }
+
+  /// One source at a time, to both sides; false where that leads out of some function's domain.
+  bool move_each() {
+    const double step = std::sqrt(3.0);
+    for (std::size_t k = 0; k < amounts_.size(); ++k) {
+      const bool inside = move_both_ways([&](double sign) { amounts_[k] = sign * step; });
+      amounts_[k] = 0;
+      if (!inside) return false;
+      for_each_component([&](Moments& m, double above, double below) {
+        const double second = (above + below) / (step * step);
+        const double secant = (above - below) / (2 * step);
+        m.curvature += second;
+        m.squared_curvature += second * second;
+        m.secant_variance += secant * secant;
+      });
+    }
+    return true;
+  }
+
+  /// All sources at once by ±1 standard deviation, signs drawn: with second derivatives H, the mean
+  /// of both ways is tr(H) / 2 + sum of s_i s_j H_ij over i < j, so its scatter is the mixed part.
+  bool move_together() {
+    constexpr int draws = 24;
+    if (amounts_.size() < 2) return true;
+    RandomBits random(0);
+    std::vector<double> signs(amounts_.size());
+    for (int d = 0; d < draws; ++d) {
+      for (double& sign : signs) sign = (random() & 1) != 0 ? 1.0 : -1.0;
+      const bool inside = move_both_ways([&](double sign) {
+        for (std::size_t k = 0; k < signs.size(); ++k) amounts_[k] = sign * signs[k];
+      });
+      if (!inside) return false;
+      for_each_component([&](Moments& m, double above, double below) {
+        const double mixed = (above + below) / 2 - m.bias();
+        m.mixed_variance += mixed * mixed / draws;
+      });
+    }
+    return true;
+  }
+
+ private:
+  Eigen::VectorXd offset(std::size_t o) const {
+    return difference(perturbation_.value(outputs()[o]),
+                      system_.node(outputs()[o]).output.estimate.value);
+  }
+  template <typename SetAmounts>
+  bool move_both_ways(const SetAmounts& set_amounts) {
+    set_amounts(1.0);
+    if (!perturbation_.apply(amounts_)) return false;
+    for (std::size_t o = 0; o < above_.size(); ++o) above_[o] = offset(o);
+    set_amounts(-1.0);
+    return perturbation_.apply(amounts_);
+  }
+  template <typename Gather>
+  void for_each_component(const Gather& gather) {
+    for (std::size_t o = 0; o < above_.size(); ++o) {
+      const Eigen::VectorXd below = offset(o);
+      for (std::size_t c = 0; c < moments_[o].size(); ++c)
+        gather(moments_[o][c], above_[o][static_cast<Eigen::Index>(c)],
+               below[static_cast<Eigen::Index>(c)]);
+    }
+  }
+
+  const System& system_;
+  Perturbation perturbation_;
+  std::vector<double> amounts_;
+  std::vector<std::vector<Moments>> moments_;
+  std::vector<Eigen::VectorXd> above_;
+};
 
 }  // namespace
 
@@ -126,47 +241,22 @@ std::string_view verdict_name(Verdict verdict) {
 }
 
 std::vector<VerdictReport> judge(const System& system, const std::vector<std::size_t>& cut) {
-  const std::vector<std::size_t>& outputs = system.plan().outputs;
-  Perturbation perturbation(system, cut);
-  const double step = std::sqrt(3.0);
-  std::vector<VerdictReport> reports(outputs.size());
-  std::vector<std::vector<Moments>> moments(outputs.size());
-  std::vector<Eigen::VectorXd> above(outputs.size());
-  for (std::size_t o = 0; o < outputs.size(); ++o)
-    moments[o].resize(system.node(outputs[o]).output.estimate.dimension());
-  const auto offset = [&](std::size_t o) {
-    return difference(perturbation.value(outputs[o]),
-                      system.node(outputs[o]).output.estimate.value);
-  };
-  for (const Source& source : perturbation.sources()) {
-    bool inside = perturbation.apply(source, step);
-    for (std::size_t o = 0; inside && o < outputs.size(); ++o) above[o] = offset(o);
-    inside = inside && perturbation.apply(source, -step);
-    if (!inside) {
-      for (VerdictReport& report : reports) report.verdict = Verdict::invalid;
-      return reports;
-    }
-    for (std::size_t o = 0; o < outputs.size(); ++o) {
-      const Eigen::VectorXd below = offset(o);
-      for (std::size_t c = 0; c < moments[o].size(); ++c) {
-        const auto index = static_cast<Eigen::Index>(c);
-        const double second = (above[o][index] + below[index]) / (step * step);
-        const double secant = (above[o][index] - below[index]) / (2 * step);
-        moments[o][c].curvature += second;
-        moments[o][c].squared_curvature += second * second;
-        moments[o][c].secant_variance += secant * secant;
-      }
-    }
+  Probe probe(system, cut);
+  std::vector<VerdictReport> reports(probe.outputs().size());
+  if (!probe.move_each() || !probe.move_together()) {
+    for (VerdictReport& report : reports) report.verdict = Verdict::invalid;
+    return reports;
   }
-  for (std::size_t o = 0; o < outputs.size(); ++o) {
-    const Estimate& estimate = system.node(outputs[o]).output.estimate;
-    for (std::size_t c = 0; c < moments[o].size(); ++c) {
-      const double variance = estimate.lineage.variance(c);
-      const Verdict verdict = judge_component(moments[o][c], variance, std::abs(estimate.value[c]));
-      reports[o].components.push_back(verdict);
+  const auto sizes = probe.sizes();
+  for (std::size_t o = 0; o < reports.size(); ++o) {
+    const Estimate& estimate = system.node(probe.outputs()[o]).output.estimate;
+    for (std::size_t c = 0; c < estimate.dimension(); ++c) {
+      const Moments& moments = probe.moments(o, c);
+      const Verdict verdict = judge_component(moments, estimate.lineage.variance(c),
+                                              sizes.at(estimate.type->components[c].unit));
       reports[o].verdict = std::max(reports[o].verdict, verdict);
-      reports[o].bias.push_back(moments[o][c].curvature / 2);
-      reports[o].extra_variance.push_back(moments[o][c].squared_curvature / 2);
+      reports[o].bias.push_back(moments.bias());
+      reports[o].extra_variance.push_back(moments.extra_variance());
     }
   }
   return reports;

@@ -35,7 +35,8 @@ inline constexpr double largest_relative_variance_change = 0.05;
 /// Judges the system's outputs as they stand after a tick or an expectation. Each source of the
 /// outputs' sensors, estimators and parameters is moved by ±sqrt(3) standard deviations (the points
 /// of third-order Gauss-Hermite quadrature) and the functions behind it are evaluated again, so
-/// that curvature and kinks of the whole chain count, not those of single modules. `cut` names
+/// that curvature and kinks of the whole chain count, not those of single modules; then all are
+/// moved together with random signs, for what sources only do in company (x y at 0, 0). `cut` names
 /// function nodes whose outputs were given and are to be moved themselves. One report an output.
 std::vector<VerdictReport> judge(const System& system, const std::vector<std::size_t>& cut = {});
 
