@@ -25,6 +25,8 @@ void Constants::read(const Node& map, const std::string& prefix,
       diagnostics.add(
           map.keys[i].position,
           fmt::format("'{}' cannot name a constant: names have no dots, spaces or $", name));
+    } else if (value.is_null()) {
+      diagnostics.add(map.keys[i].position, fmt::format("constant '{}' needs a value", name));
     } else if (value.is_scalar() && value.text.starts_with('$')) {
       refer(name, value, outer, diagnostics);
     } else if (path != nullptr && !path->is_scalar()) {
