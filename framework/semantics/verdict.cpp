@@ -254,6 +254,7 @@ std::vector<VerdictReport> judge(const System& system, const std::vector<std::si
       const Moments& moments = probe.moments(o, c);
       const Verdict verdict = judge_component(moments, estimate.lineage.variance(c),
                                               sizes.at(estimate.type->components[c].unit));
+      reports[o].components.push_back(verdict);
       reports[o].verdict = std::max(reports[o].verdict, verdict);
       reports[o].bias.push_back(moments.bias());
       reports[o].extra_variance.push_back(moments.extra_variance());
