@@ -329,7 +329,7 @@ std::string trust_table(const Study& study, const Comparison& comparison) {
                             : fmt::format("{:.1f} %", 100 * measured.errors[c].coverage));
       table.row(std::move(cells));
     }
-  return table.text();
+  return table.text() + "predicted time: typical, in one thread, as declared in the graphs\n";
 }
 
 /// What kept figures from the tables: faults of the truth, of predictions and of runs.
