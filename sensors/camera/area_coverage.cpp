@@ -47,7 +47,7 @@ void AreaCoverage::add_edge(ImagePoint<double> from, ImagePoint<double> to, doub
 
 void AreaCoverage::add_in_row(std::size_t row, double left, double right, double signed_height) {
   double* differences = differences_.data() + row * (columns_ + 1);
-  const double width = static_cast<double>(columns_);
+  const auto width = static_cast<double>(columns_);
   if (left >= width) return;
   if (right <= 0) {
     differences[0] += signed_height;

@@ -44,7 +44,7 @@ class BandProblem {
 
   int degrees_of_freedom() const { return pixels_ - unknowns; }
 
-  StraightEdge edge(const Unknowns& x, int which) const {
+  StraightEdge edge(const Unknowns& x, Eigen::Index which) const {
     return {x[2 * which], x[2 * which + 1], frame_.reference, frame_.vertical};
   }
 
@@ -60,7 +60,8 @@ class BandProblem {
       const auto first = edge_at(camera_, edge(x, 0), window.along);
       const auto second = edge_at(camera_, edge(x, 1), window.along);
       if (!first || !second) return false;
-      Eigen::Matrix<double, 1, camera_dimension> first_by_camera, second_by_camera;
+      Eigen::Matrix<double, 1, camera_dimension> first_by_camera;
+      Eigen::Matrix<double, 1, camera_dimension> second_by_camera;
       if (columns != nullptr) {
         first_by_camera = edge_by_camera(camera_, *first, frame_.vertical);
         second_by_camera = edge_by_camera(camera_, *second, frame_.vertical);
@@ -146,7 +147,7 @@ std::optional<Unknowns> start_unknowns(const ImageView& view, const Image<double
     background += window_background(window);
     darkest += least;
   }
-  const double count = static_cast<double>(windows.size());
+  const auto count = static_cast<double>(windows.size());
   const double contrast = (background - darkest) / count;
   if (!(contrast > 0)) return std::nullopt;
 
@@ -227,7 +228,7 @@ std::optional<Optimum> minimize(const BandProblem& problem, const Unknowns& star
 /// just beyond: tries from the other side.
 void cross_pixel_borders(const BandProblem& problem, double length, Optimum& best) {
   constexpr double shift = 0.05;
-  for (int which = 0; which < 2; ++which) {
+  for (Eigen::Index which = 0; which < 2; ++which) {
     if (std::abs(best.x[2 * which + 1]) * length > 1) continue;
     const double from_centre = best.x[2 * which] - std::round(best.x[2 * which]);
     if (std::abs(from_centre) < 0.5 - 2 * shift) continue;

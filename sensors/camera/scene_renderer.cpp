@@ -99,8 +99,8 @@ struct PixelBounds {
 
 /// The ideal pixels that the image can show: its own rectangle, undistorted, with a margin.
 PixelBounds ideal_bounds(const CameraView& view) {
-  const double width = static_cast<double>(view.columns);
-  const double height = static_cast<double>(view.rows);
+  const auto width = static_cast<double>(view.columns);
+  const auto height = static_cast<double>(view.rows);
   PixelBounds bounds{{-1, -1}, {width, height}};
   if (!is_distorted(view.intrinsics)) return bounds;
   constexpr int steps = 32;

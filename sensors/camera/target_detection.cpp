@@ -133,7 +133,11 @@ double refine_line(LineCandidate& candidate) {
   std::erase_if(candidate.runs, [&](const Run* run) {
     return std::abs(run->length - thickness) > 1 + 0.3 * thickness;
   });
-  double n = 0, sum_x = 0, sum_y = 0, sum_xx = 0, sum_xy = 0;
+  double n = 0;
+  double sum_x = 0;
+  double sum_y = 0;
+  double sum_xx = 0;
+  double sum_xy = 0;
   for (const Run* run : candidate.runs) {
     const double x = run->ideal.column - candidate.line.reference;
     const double y = run->ideal.row;
