@@ -50,6 +50,7 @@ struct RecordedColumn {
 struct Side {
   std::string name;
   Position position;
+  bool stated = false;  ///< whether it is a recording or a graph at all
   bool valid = false;
   bool recorded = false;
   std::vector<Outcome<Estimate>> rows = {};
@@ -101,6 +102,7 @@ class StudyReader {
   std::vector<std::string> read_recorded_names(std::size_t rows);
   void add_system_cases(const std::vector<Side>& sides);
   std::vector<Setting> read_settings();
+  void check_constants(const std::vector<Side>& sides, std::vector<Setting>& settings);
   std::vector<Setting> read_case_list(const Node& list);
   std::vector<Setting> read_sweep(const Node& map);
   std::vector<Node> read_sweep_values(const Node& name, const Node& range);
@@ -143,7 +145,7 @@ std::optional<Study> StudyReader::read() {
     diagnostics_.add(root_.position, "a study needs a truth: {recorded: ...} or {graph: ...}");
   else
     sides.insert(sides.begin(), read_side("truth", *truth, truth->position));
-  if (sides.empty() || truth == nullptr) return std::nullopt;
+  if (sides.empty() || truth == nullptr || !sides.front().stated) return std::nullopt;
   check_kinds(sides);
   study_.recorded = sides.front().recorded;
   if (study_.recorded)
@@ -212,6 +214,7 @@ Side StudyReader::read_side(const std::string& name, const Node& node, Position 
                      fmt::format("{} needs either recorded: FILE or graph: {{...}}", name));
     return side;
   }
+  side.stated = true;
   side.recorded = recorded != nullptr;
   const std::size_t errors = diagnostics_.size();
   if (side.recorded) {
@@ -273,8 +276,8 @@ void StudyReader::read_rows(const Node& node, Side& side) {
         continue;
       }
       const auto number = parse_quantity(cell.text, "1");
-      if (const auto* error = std::get_if<std::string>(&number)) {
-        diagnostics_.add(cell.position, *error);
+      if (std::holds_alternative<std::string>(number)) {
+        diagnostics_.add(cell.position, fmt::format("expected a number, got '{}'", cell.text));
         continue;
       }
       if (!side.rows[r]) continue;
@@ -330,7 +333,7 @@ std::vector<Side> StudyReader::read_alternatives() {
 
 void StudyReader::check_kinds(const std::vector<Side>& sides) {
   for (const Side& side : sides)
-    if (side.recorded != sides.front().recorded)
+    if (side.stated && side.recorded != sides.front().recorded)
       diagnostics_.add(side.position,
                        fmt::format("'{}' is {}, but the truth is {}; a study compares either "
                                    "recordings or graphs",
@@ -396,7 +399,9 @@ std::vector<std::string> StudyReader::read_recorded_names(std::size_t rows) {
 }
 
 void StudyReader::add_system_cases(const std::vector<Side>& sides) {
-  for (const Setting& setting : read_settings()) {
+  std::vector<Setting> settings = read_settings();
+  check_constants(sides, settings);
+  for (const Setting& setting : settings) {
     std::vector<std::optional<Plan>> plans;
     for (const Side& side : sides)
       plans.push_back(side.valid && !side.recorded ? read_plan_of(side, setting) : std::nullopt);
@@ -415,6 +420,29 @@ void StudyReader::add_system_cases(const std::vector<Side>& sides) {
     }
     study_.cases.push_back(std::move(one));
   }
+}
+
+void StudyReader::check_constants(const std::vector<Side>& sides, std::vector<Setting>& settings) {
+  const std::size_t prefix = std::string_view("constants.").size();
+  for (Setting& setting : settings)
+    std::erase_if(setting.constants, [&](const Override& constant) {
+      const std::string name = constant.path.substr(prefix);
+      std::vector<std::string> lacking;
+      std::vector<std::string> others;
+      for (const Side& side : sides) {
+        if (!side.valid || side.recorded) continue;
+        const Node* constants = side.graph.find("constants");
+        if (constants != nullptr && constants->find(name) != nullptr) continue;
+        lacking.push_back(side.name);
+        for (std::size_t i = 0; constants != nullptr && i < constants->keys.size(); ++i)
+          others.push_back(constants->keys[i].text);
+      }
+      if (lacking.empty()) return false;
+      diagnostics_.add(constant.position,
+                       fmt::format("there is no constant '{}' in the graph of {}{}", name,
+                                   fmt::join(lacking, ", "), suggestion(name, others)));
+      return true;
+    });
 }
 
 std::optional<Plan> StudyReader::read_plan_of(const Side& side, const Setting& setting) {
