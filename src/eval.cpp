@@ -40,11 +40,11 @@ Node list(std::vector<Node> values) {
   node.values = std::move(values);
   return node;
 }
-Node map(std::vector<std::pair<std::string, Node>> entries) {
+Node map(const std::vector<std::pair<std::string, Node>>& entries) {
   Node node{Node::Kind::map};
-  for (auto& [key, value] : entries) {
+  for (const auto& [key, value] : entries) {
     node.keys.push_back(scalar(key));
-    node.values.push_back(std::move(value));
+    node.values.push_back(value);
   }
   return node;
 }
@@ -62,7 +62,7 @@ Node graph_around(const ModuleType& type, const std::string& name,
   Node network = scalar(name);
   if (!inputs.empty())
     network = map({{"serial", list({map({{"combine", list(std::move(fed))}}), scalar(name)})}});
-  return map({{"modules", map(std::move(modules))}, {"network", std::move(network)}});
+  return map({{"modules", map(modules)}, {"network", network}});
 }
 
 const ModuleType& find_type(const Session& session, const std::string& name) {

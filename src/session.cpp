@@ -20,7 +20,8 @@ void Session::load_modules() {
   }
 }
 
-Plan Session::read_graph(const std::filesystem::path& file, const std::vector<std::string>& sets) {
+Plan Session::read_graph(const std::filesystem::path& file,
+                         const std::vector<std::string>& sets) const {
   Diagnostics diagnostics;
   std::vector<Override> overrides;
   for (const std::string& set : sets)

@@ -29,7 +29,7 @@ struct Session {
   /// Registers the built-in modules and loads the plug-ins. @throws Exit
   void load_modules();
   /// Reads a graph with `--set` overrides. Prints every error. @throws Exit
-  Plan read_graph(const std::filesystem::path& file, const std::vector<std::string>& sets);
+  Plan read_graph(const std::filesystem::path& file, const std::vector<std::string>& sets) const;
   /// Replaces the plan's module times by those of a profile. Prints every error. @throws Exit
   void apply_profile_file(const std::filesystem::path& file, Plan& plan);
 };
