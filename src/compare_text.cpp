@@ -216,12 +216,51 @@ ErrorFigures error_figures(const Study& study, const ComparedCase& compared, std
           figure(&ComponentErrors::rms)};
 }
 
+constexpr double ErrorFigures::*shown_figures[] = {&ErrorFigures::truth, &ErrorFigures::predicted,
+                                                   &ErrorFigures::deviation, &ErrorFigures::bias,
+                                                   &ErrorFigures::rms};
+constexpr std::size_t figure_count = std::size(shown_figures);
+
+/// Decimals of the error table's columns: each component's figures.
+std::vector<int> error_decimals(const Study& study, const Comparison& comparison) {
+  std::vector<int> decimals;
+  for (std::size_t c = 0; c < study.payload->dimension(); ++c)
+    for (const auto figure : shown_figures) {
+      NumberColumn column;
+      for (const ComparedCase& compared : comparison.cases)
+        for (std::size_t a = 0; a < study.alternatives.size(); ++a)
+          column.add(error_figures(study, compared, a, c).*figure);
+      decimals.push_back(column.three_digits());
+    }
+  return decimals;
+}
+
+std::string share_inside_text(const CaseAlternative& alternative) {
+  if (!alternative.judged) return "-";
+  return fmt::format("{:.0f} %", 100.0 * static_cast<double>(alternative.measurement.inside) /
+                                     static_cast<double>(alternative.measurement.runs));
+}
+
+std::vector<std::string> error_row(const Study& study, const ComparedCase& compared, std::size_t a,
+                                   const std::vector<int>& decimals) {
+  std::vector<std::string> cells = {a == 0 ? compared.name : "", study.alternatives[a]};
+  for (std::size_t c = 0; c < study.payload->dimension(); ++c) {
+    const ErrorFigures row = error_figures(study, compared, a, c);
+    // The truth stands in a case's first row only.
+    for (std::size_t f = 0; f < figure_count; ++f)
+      cells.push_back(f == 0 && a > 0
+                          ? ""
+                          : number_text(row.*shown_figures[f], decimals[c * figure_count + f]));
+  }
+  if (study.has_requirement()) {
+    cells.push_back(share_inside_text(compared.alternatives[a]));
+    cells.push_back(judgement_text(study, compared.alternatives[a]));
+  }
+  return cells;
+}
+
 std::string error_table(const Study& study, const Comparison& comparison) {
   const std::size_t components = study.payload->dimension();
-  constexpr double ErrorFigures::*figures[] = {&ErrorFigures::truth, &ErrorFigures::predicted,
-                                               &ErrorFigures::deviation, &ErrorFigures::bias,
-                                               &ErrorFigures::rms};
-  constexpr std::size_t rms_figure = 4;
   TextTable table;
   table.column(study.case_noun, Align::left);
   table.column("alternative", Align::left);
@@ -232,43 +271,16 @@ std::string error_table(const Study& study, const Comparison& comparison) {
     table.column("inside", Align::right, "required");
     table.column("RMS", Align::left, "required");
   }
-  std::vector<int> decimals;
-  for (std::size_t c = 0; c < components; ++c)
-    for (const auto figure : figures) {
-      NumberColumn column;
-      for (const ComparedCase& compared : comparison.cases)
-        for (std::size_t a = 0; a < study.alternatives.size(); ++a)
-          column.add(error_figures(study, compared, a, c).*figure);
-      decimals.push_back(column.three_digits());
-    }
+  const std::vector<int> decimals = error_decimals(study, comparison);
   for (const ComparedCase& compared : comparison.cases)
-    for (std::size_t a = 0; a < study.alternatives.size(); ++a) {
-      const CaseAlternative& alternative = compared.alternatives[a];
-      std::vector<std::string> cells = {a == 0 ? compared.name : "", study.alternatives[a]};
-      for (std::size_t c = 0; c < components; ++c) {
-        const ErrorFigures row = error_figures(study, compared, a, c);
-        for (std::size_t f = 0; f < std::size(figures); ++f)
-          cells.push_back(f == 0 && a > 0
-                              ? ""
-                              : number_text(row.*figures[f], decimals[c * std::size(figures) + f]));
-      }
-      if (study.has_requirement()) {
-        cells.push_back(
-            alternative.judged
-                ? fmt::format("{:.0f} %", 100.0 *
-                                              static_cast<double>(alternative.measurement.inside) /
-                                              static_cast<double>(alternative.measurement.runs))
-                : "-");
-        cells.push_back(judgement_text(study, alternative));
-      }
-      table.row(std::move(cells));
-    }
+    for (std::size_t a = 0; a < study.alternatives.size(); ++a)
+      table.row(error_row(study, compared, a, decimals));
   table.line();
   for (std::size_t a = 0; a < study.alternatives.size(); ++a) {
     const AlternativeSummary& summary = comparison.summary[a];
     std::vector<std::string> cells = {a == 0 ? "all" : "", study.alternatives[a]};
     for (std::size_t c = 0; c < components; ++c) {
-      cells.resize(cells.size() + rms_figure);
+      cells.resize(cells.size() + figure_count - 1);
       cells.push_back(
           rms_text(summary.rms.empty() ? missing : summary.rms[c] * unit_of(study, c).factor));
     }

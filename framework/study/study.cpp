@@ -403,6 +403,7 @@ void StudyReader::add_system_cases(const std::vector<Side>& sides) {
   check_constants(sides, settings);
   for (const Setting& setting : settings) {
     std::vector<std::optional<Plan>> plans;
+    plans.reserve(sides.size());
     for (const Side& side : sides)
       plans.push_back(side.valid && !side.recorded ? read_plan_of(side, setting) : std::nullopt);
     if (!std::all_of(plans.begin(), plans.end(), [](const auto& plan) { return plan.has_value(); }))

@@ -1,6 +1,7 @@
 // A study: alternatives side by side, each in the same cases, with the truth and what is required.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -37,9 +38,8 @@ struct Study {
   bool draw_systematic_errors = true;  ///< whether constants are wrong by another draw in each run
 
   bool has_requirement() const {
-    for (const auto& limit : requirement)
-      if (limit) return true;
-    return false;
+    return std::any_of(requirement.begin(), requirement.end(),
+                       [](const auto& limit) { return limit.has_value(); });
   }
 };
 
