@@ -35,7 +35,7 @@ std::map<std::size_t, System::OperatingPoint> read_operating_points(
       continue;
     }
     auto estimate = read_estimate(given->value, *plan.nodes[*node].interface.output, given->path,
-                                  plan.owners, diagnostics);
+                                  plan.owners, diagnostics, LeftOut::stay_unknown);
     if (!estimate) continue;
     const bool has_error = estimate->has_error;
     points[*node] = {Output{std::move(estimate->estimate)}, has_error};

@@ -181,6 +181,37 @@ void System::fold(std::size_t i) {
     lineage.fold_together(may_fold, folder, folder);
 }
 
+Outcome<> System::take_operating_point(std::size_t i, const OperatingPoint& point) {
+  NodeState& state = nodes_[i];
+  const Estimate& given = point.value.estimate;
+  const bool complete = std::none_of(given.value.begin(), given.value.end(),
+                                     [](double value) { return std::isnan(value); });
+  if (!point.has_error || !complete) {
+    Outcome<> outcome = state.module->expect(evaluation(i), &point.value, state.output);
+    if (!point.has_error || !outcome) return outcome;
+  }
+  // What was given stands with its own error; what was not is as the module says.
+  Estimate& estimate = state.output.estimate;
+  if (complete) {
+    const std::string frame = estimate.frame;
+    state.output = point.value;
+    estimate.frame = frame;
+    state.output.acquired = time_;
+    return {};
+  }
+  Lineage lineage(given.dimension());
+  for (std::size_t k = 0; k < estimate.lineage.size(); ++k)
+    for (std::size_t c = 0; c < given.dimension(); ++c)
+      if (std::isnan(given.value[c]))
+        lineage.add(estimate.lineage.sources()[k], c, estimate.lineage.column(k)[c]);
+  for (std::size_t k = 0; k < given.lineage.size(); ++k)
+    lineage.add(given.lineage.sources()[k], given.lineage.column(k));
+  estimate.lineage = std::move(lineage);
+  for (std::size_t c = 0; c < given.dimension(); ++c)
+    if (!std::isnan(given.value[c])) estimate.value[c] = given.value[c];
+  return {};
+}
+
 void System::expect(const std::map<std::size_t, OperatingPoint>& operating_points) {
   begin_tick(time_);
   std::vector<char> needed(nodes_.size(), 0);
@@ -195,22 +226,12 @@ void System::expect(const std::map<std::size_t, OperatingPoint>& operating_point
     state.outcome = Pending{};
     if (!needed[i]) continue;
     const auto point = operating_points.find(i);
-    if (point != operating_points.end() && point->second.has_error) {
-      const std::string frame = state.output.estimate.frame;
-      state.output = point->second.value;
-      state.output.estimate.frame = frame;
+    if (point != operating_points.end()) {
       state.output.acquired = time_;
-      call_module(i, [] { return Outcome<>{}; });
-      continue;
+      call_module(i, [&] { return take_operating_point(i, point->second); });
+    } else if (take_inputs(i)) {
+      call_module(i, [&] { return state.module->expect(evaluation(i), nullptr, state.output); });
     }
-    const Output* operating_point =
-        point == operating_points.end() ? nullptr : &point->second.value;
-    if (operating_point != nullptr)
-      state.output.acquired = time_;
-    else if (!take_inputs(i))
-      continue;
-    call_module(i,
-                [&] { return state.module->expect(evaluation(i), operating_point, state.output); });
   }
 }
 

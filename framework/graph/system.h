@@ -69,8 +69,9 @@ class System {
   }
 
   /// Evaluates for prediction: expected errors, nothing acquired. Nodes in `operating_points` take
-  /// that value: as it is where `has_error`, else with the module's own expected error at it. Nodes
-  /// that only feed such nodes are left pending.
+  /// that value: with its own error where `has_error`, else with the module's expected error at it.
+  /// Components that are NaN are the module's to say. Nodes that only feed such nodes are left
+  /// pending.
   struct OperatingPoint {
     Output value;
     bool has_error = false;
@@ -98,6 +99,7 @@ class System {
   template <typename Call>
   void call_module(std::size_t i, Call call);
   void fold(std::size_t i);
+  Outcome<> take_operating_point(std::size_t i, const OperatingPoint& point);
   bool worth_folding(std::size_t i) const;
   bool foldable(std::size_t i, const Source& source) const {
     return !source.persistent() && source.owner < nodes_.size() &&

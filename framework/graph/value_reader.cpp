@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <limits>
 
 #include "framework/estimate/units.h"
 
@@ -51,8 +52,9 @@ std::optional<int> read_label(const Node& value, const Label& label, Diagnostics
 
 std::optional<std::vector<WrittenQuantity>> read_components(const Node& map,
                                                             const PayloadDescriptor& payload,
-                                                            Estimate& estimate,
+                                                            Estimate& estimate, LeftOut left_out,
                                                             Diagnostics& diagnostics) {
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   const std::size_t errors = diagnostics.size();
   std::vector<WrittenQuantity> written(payload.dimension());
   std::vector<char> given(payload.dimension(), 0);
@@ -81,7 +83,8 @@ std::optional<std::vector<WrittenQuantity>> read_components(const Node& map,
     if (given[i]) continue;
     const Component& component = payload.components[i];
     if (component.default_value)
-      written[i] = {*component.default_value, component.unit, std::nullopt, map.position};
+      written[i] = {left_out == LeftOut::take_default ? *component.default_value : unknown,
+                    component.unit, std::nullopt, map.position};
     else
       diagnostics.add(map.position, fmt::format("{} needs its component '{}', {}", payload.name,
                                                 component.name, dimension_name(component.unit)));
@@ -217,7 +220,7 @@ std::optional<Eigen::MatrixXd> read_covariance(const Node& node, std::size_t dim
 
 std::optional<GivenEstimate> read_estimate(const Node& node, const PayloadDescriptor& payload,
                                            const std::string& name, SourceOwners& owners,
-                                           Diagnostics& diagnostics) {
+                                           Diagnostics& diagnostics, LeftOut left_out) {
   const std::size_t errors = diagnostics.size();
   GivenEstimate given{Estimate(payload)};
   const Node* covariance_node = nullptr;
@@ -248,11 +251,17 @@ std::optional<GivenEstimate> read_estimate(const Node& node, const PayloadDescri
                                                   payload.name, values->description()));
     return std::nullopt;
   }
-  const auto written = read_components(*values, payload, given.estimate, diagnostics);
+  // A covariance is over all components, so none of them can stay unknown beside it.
+  if (covariance_node != nullptr) left_out = LeftOut::take_default;
+  const auto written = read_components(*values, payload, given.estimate, left_out, diagnostics);
   if (!written) return std::nullopt;
   Eigen::VectorXd scale(static_cast<Eigen::Index>(written->size()));
   for (std::size_t i = 0; i < written->size(); ++i) {
     const Component& component = payload.components[i];
+    if (std::isnan((*written)[i].number)) {
+      given.estimate.value[i] = (*written)[i].number;
+      continue;
+    }
     const auto si = to_si((*written)[i], component.unit, diagnostics);
     if (!si) continue;
     given.estimate.value[i] = component.circular ? wrap_angle(si->value) : si->value;

@@ -41,12 +41,19 @@ struct GivenEstimate {
   bool has_error = false;
 };
 
+/// What becomes of components that are left out but have a default.
+enum class LeftOut {
+  take_default,  ///< they take it
+  stay_unknown,  ///< they are NaN: the module whose output this is knows better
+};
+
 /// Reads a payload's value: a map of its components (each a quantity or {value, std}), a bare
 /// quantity for a payload of one component, or {value: {...}, covariance: [[...]]}. Components left
-/// out take their defaults. Sources are random ones of tick 0, appended to `owners` under
-/// `name.component` (or `name` for a covariance).
+/// out are as `left_out` says; those without a default must be given. Sources are random ones of
+/// tick 0, appended to `owners` under `name.component` (or `name` for a covariance).
 std::optional<GivenEstimate> read_estimate(const Node& node, const PayloadDescriptor& payload,
                                            const std::string& name, SourceOwners& owners,
-                                           Diagnostics& diagnostics);
+                                           Diagnostics& diagnostics,
+                                           LeftOut left_out = LeftOut::take_default);
 
 }  // namespace ilss

@@ -59,9 +59,10 @@ class Module {
   virtual Outcome<> evaluate(const Evaluation& evaluation, Output& output) = 0;
 
   /// As `evaluate`, but for prediction: the output with its *expected* error, without acquiring.
-  /// `operating_point` is the value at which to say it, with no error of its own, or null where the
-  /// module must know one itself. By default a module without an operating point evaluates, and one
-  /// with an operating point knows no error for it.
+  /// `operating_point` is the value at which to say it, with no error of its own and NaN for
+  /// components that the module knows itself (a sonar's mount), or null where it must know all.
+  /// By default a module without an operating point evaluates, and one with an operating point
+  /// knows no error for it.
   virtual Outcome<> expect(const Evaluation& evaluation, const Output* operating_point,
                            Output& output) {
     if (operating_point != nullptr)
