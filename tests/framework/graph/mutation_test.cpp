@@ -165,9 +165,13 @@ void splice(std::string& text, RandomBits& random) {
 void mutate_bytes(std::string& text, RandomBits& random) {
   if (text.empty()) return;
   const std::size_t at = draw(random, text.size());
-  switch (draw(random, 4)) {
+  switch (draw(random, 5)) {
     case 0:
       text[at] = static_cast<char>(draw(random, 256));
+      break;
+    case 4:
+      if (const std::size_t digit = text.find_first_of("0123456789", at); digit < text.size())
+        text[digit] = "0123456789.-e"[draw(random, 13)];
       break;
     case 1:
       text[at] = static_cast<char>(text[at] ^ (1 << draw(random, 8)));
@@ -183,7 +187,7 @@ void mutate_bytes(std::string& text, RandomBits& random) {
 }
 
 std::string mutated(std::string text, RandomBits& random) {
-  for (std::size_t n = 1 + draw(random, 4); n > 0; --n) switch (draw(random, 3)) {
+  for (std::size_t n = 1 + draw(random, 1 + draw(random, 4)); n > 0; --n) switch (draw(random, 3)) {
       case 0:
         mutate_lines(text, random);
         break;
