@@ -58,8 +58,11 @@ std::string quantity_text(double value, double standard_deviation, const std::st
   const double shown = standard_deviation * factor;
   const int digits =
       shown > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(shown))), 0, 9) : 3;
-  return fmt::format("{:.{}f} ± {:.{}f}{}{}", value * factor, digits, shown, digits,
-                     unit.empty() ? "" : " ", unit);
+  std::string number = fmt::format("{:.{}f}", value * factor, digits);
+  // A negative number that rounds to 0 is shown as 0.
+  if (number.starts_with('-') && number.find_first_not_of("-0.") == std::string::npos)
+    number.erase(0, 1);
+  return fmt::format("{} ± {:.{}f}{}{}", number, shown, digits, unit.empty() ? "" : " ", unit);
 }
 
 std::string estimate_text(const Estimate& estimate, const VerdictReport& verdict) {

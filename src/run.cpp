@@ -17,10 +17,13 @@ namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
 
+/// Where no --ticks is given, a run without end stops here.
+constexpr std::int64_t default_ticks = 1000;
+
 struct Arguments {
   std::string graph;
   std::vector<std::string> sets;
-  std::int64_t ticks = 1000;
+  std::optional<std::int64_t> ticks = {};
   std::string period = "100 ms";
   std::uint64_t seed = 1;
   std::string profile;
@@ -189,7 +192,8 @@ void write_profile_file(const std::string& path, const Runner& runner) {
 int run(const Arguments& arguments, Session& session) {
   session.load_modules();
   const double period = read_period(arguments.period);
-  if (arguments.ticks < 0) fail(exit_bad_input, "--ticks must not be negative");
+  const std::int64_t most_ticks = arguments.ticks.value_or(default_ticks);
+  if (most_ticks < 0) fail(exit_bad_input, "--ticks must not be negative");
   const Plan plan = session.read_graph(arguments.graph, arguments.sets);
   Runner runner(plan, arguments.seed);
   Agreement agreement(plan);
@@ -197,7 +201,7 @@ int run(const Arguments& arguments, Session& session) {
   std::signal(SIGINT, [](int) { interrupted = 1; });
   bool ended = false;
   std::int64_t tick = 0;
-  for (; (arguments.ticks == 0 || tick < arguments.ticks) && interrupted == 0; ++tick) {
+  for (; (most_ticks == 0 || tick < most_ticks) && interrupted == 0; ++tick) {
     const double time = static_cast<double>(tick) * period;
     runner.step(time);
     ended = find_fault(runner.system(), FaultKind::end_of_data).has_value();
@@ -215,7 +219,7 @@ int run(const Arguments& arguments, Session& session) {
       return exit_failed;
     }
   }
-  if (!ended && interrupted == 0 && arguments.ticks == Arguments{}.ticks)
+  if (!ended && interrupted == 0 && !arguments.ticks)
     fmt::print(stderr,
                "ilss: stopped after {} ticks; --ticks N goes on, --ticks 0 to the end of "
                "the data\n",
@@ -237,8 +241,8 @@ void add_run(CLI::App& app, Session& session) {
   CLI::App* verb = app.add_subcommand("run", "Run a system over its input");
   verb->add_option("GRAPH", arguments->graph, "Graph file")->required();
   add_set_option(*verb, arguments->sets);
-  verb->add_option("--ticks", arguments->ticks, "At most so many ticks; 0: to the end of the data")
-      ->capture_default_str();
+  verb->add_option("--ticks", arguments->ticks,
+                   "At most so many ticks; 0: to the end of the data (default 1000)");
   verb->add_option("--period", arguments->period, "Time from tick to tick")->capture_default_str();
   verb->add_option("--seed", arguments->seed, "Seed of all random numbers")->capture_default_str();
   verb->add_option("--profile", arguments->profile, "Write the modules' measured times here")

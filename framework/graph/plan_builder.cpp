@@ -214,6 +214,10 @@ Instance PlanBuilder::read_system(const Node& graph, const std::string& prefix,
                          graph.description());
     return unread;
   }
+  if (graph.find("study") != nullptr && graph.find("modules") == nullptr) {
+    diagnostics_.add(graph.position, "this is a study, not a graph; `ilss compare` takes it");
+    return unread;
+  }
   for (const Node& key : graph.keys) {
     if (std::find(known.begin(), known.end(), key.text) != known.end()) continue;
     if (std::find(later.begin(), later.end(), key.text) != later.end())

@@ -126,6 +126,12 @@ std::optional<Study> StudyReader::read() {
                          root_.description());
     return std::nullopt;
   }
+  if (root_.find("network") != nullptr && root_.find("alternatives") == nullptr) {
+    diagnostics_.add(root_.position,
+                     "this is a graph, not a study; `ilss predict` and `ilss run` "
+                     "take it");
+    return std::nullopt;
+  }
   std::vector<std::string> known = {"requirement", "truth", "alternatives", "cases", "sweep"};
   for (const ParameterDeclaration& d : declare_options<StudyOptions>()) known.push_back(d.name);
   check_map_keys(root_, "a study", known, diagnostics_);
