@@ -19,8 +19,8 @@ TEST(CheckCommand, ReportsEveryMistakeInOneGoAndExitsWith2) {
   const std::filesystem::path folder = std::filesystem::path(ILSS_TEST_DATA) / "graph_errors";
   const std::filesystem::path heard =
       std::filesystem::path(testing::TempDir()) / "ilss_check_errors";
-  const std::string command = "cd '" + folder.string() + "' && '" ILSS_COMMAND
-                              "' check command/wall_pose_mistakes.yaml 2> '" +
+  const std::string command = "cd '" + folder.string() +
+                              "' && '" ILSS_COMMAND "' check command/wall_pose_mistakes.yaml 2> '" +
                               heard.string() + "'";
   const int status = std::system(command.c_str());
   ASSERT_TRUE(WIFEXITED(status));
