@@ -68,11 +68,11 @@ Cluster clusters_of(const Plan& plan) {
 std::string_view look_of(ModuleKind kind) {
   switch (kind) {
     case ModuleKind::sensor:
-      return "shape=cds, fillcolor=\"#d7ebf7\", color=\"#2b6c99\"";
+      return R"(shape=cds, fillcolor="#d7ebf7", color="#2b6c99")";
     case ModuleKind::function:
-      return "shape=box, fillcolor=\"#fdf3d8\", color=\"#a5781e\"";
+      return R"(shape=box, fillcolor="#fdf3d8", color="#a5781e")";
     case ModuleKind::estimator:
-      return "shape=box, peripheries=2, fillcolor=\"#e2f2df\", color=\"#3f7f3a\"";
+      return R"(shape=box, peripheries=2, fillcolor="#e2f2df", color="#3f7f3a")";
   }
   return "";
 }
@@ -99,9 +99,9 @@ std::string node_text(const Plan& plan, std::size_t i) {
 void write_cluster(const Plan& plan, const Cluster& cluster, const std::string& path, int depth,
                    std::string& out) {
   const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
-  for (const std::size_t node : cluster.nodes) out += indent + node_text(plan, node) + "\n";
+  for (const std::size_t node : cluster.nodes) out += fmt::format("{}{}\n", indent, node_text(plan, node));
   for (const auto& [name, inner] : cluster.systems) {
-    const std::string inner_path = path + "." + name;
+    const std::string inner_path = fmt::format("{}.{}", path, name);
     out += fmt::format("{}subgraph {} {{\n{}  label={};\n", indent,
                        in_quotes("cluster" + inner_path), indent, in_quotes(name));
     write_cluster(plan, inner, inner_path, depth + 1, out);

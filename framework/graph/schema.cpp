@@ -19,10 +19,10 @@ Json reference(const std::string& definition) { return {{"$ref", "#/$defs/" + de
 Json one_of_these(std::vector<Json> forms) { return {{"anyOf", std::move(forms)}}; }
 
 /// A map with these keys and no others.
-Json map_of(Json properties, std::vector<std::string> required) {
+Json map_of(Json properties, const std::vector<std::string>& required) {
   Json schema = {
       {"type", "object"}, {"properties", std::move(properties)}, {"additionalProperties", false}};
-  if (!required.empty()) schema["required"] = std::move(required);
+  if (!required.empty()) schema["required"] = required;
   return schema;
 }
 
