@@ -18,6 +18,7 @@ std::string share_text(double part, double whole) {
 
 std::vector<std::string> names_of(const Plan& plan, const std::vector<std::size_t>& nodes) {
   std::vector<std::string> names;
+  names.reserve(nodes.size());
   for (const std::size_t node : nodes) names.push_back(plan.nodes[node].name);
   return names;
 }

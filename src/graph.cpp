@@ -16,8 +16,6 @@
 #include "src/estimate_json.h"
 #include "src/session.h"
 
-extern char** environ;
-
 namespace ilss {
 namespace {
 

@@ -61,6 +61,7 @@ int predict(const Arguments& arguments, Session& session) {
   if (!arguments.profile.empty()) session.apply_profile_file(arguments.profile, plan);
   const auto points = read_operating_points(arguments.at, plan);
   std::vector<std::size_t> given;
+  given.reserve(points.size());
   for (const auto& [node, point] : points) given.push_back(node);
 
   System system(plan, 1, Folding::per_owner);

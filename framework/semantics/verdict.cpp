@@ -158,9 +158,9 @@ class Probe {
   /// One source at a time, to both sides; false where that leads out of some function's domain.
   bool move_each() {
     const double step = std::sqrt(3.0);
-    for (std::size_t k = 0; k < amounts_.size(); ++k) {
-      const bool inside = move_both_ways([&](double sign) { amounts_[k] = sign * step; });
-      amounts_[k] = 0;
+    for (double& amount : amounts_) {
+      const bool inside = move_both_ways([&](double sign) { amount = sign * step; });
+      amount = 0;
       if (!inside) return false;
       for_each_component([&](Moments& m, double above, double below) {
         const double second = (above + below) / (step * step);

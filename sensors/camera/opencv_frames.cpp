@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <string>
+#include <utility>
 
 #include "sensors/camera/frame_source.h"
 
@@ -104,7 +105,7 @@ class Capture final : public FrameSource {
 /// Turns OpenCV's exceptions into faults.
 class Guarded final : public FrameSource {
  public:
-  explicit Guarded(const FrameRequest& request) : request_(request) {}
+  explicit Guarded(FrameRequest request) : request_(std::move(request)) {}
 
   Outcome<> next(Samples& samples) override try {
     if (source_ == nullptr) open();

@@ -24,9 +24,8 @@ void RangeCalibration::Options::declare(OptionVisitor& visit) {
   visit("row_std", row_std, "error of the pairs' rows, in pixels; from the residuals if not given",
         {.minimum = 0});
   const auto different = [&] {
-    for (const Pair& pair : pairs)
-      if (pair.range != pairs.front().range) return true;
-    return false;
+    return std::any_of(pairs.begin(), pairs.end(),
+                       [&](const Pair& pair) { return pair.range != pairs.front().range; });
   };
   visit.require(pairs.size() >= (row_std ? 2u : 3u) && different(),
                 "a calibration needs pairs at two ranges or more, and three pairs or more where "
