@@ -79,7 +79,7 @@ Json schema_of(const std::vector<ParameterDeclaration>& declarations, Json prope
     properties[d.name] = schema_of(d);
     if (is_required(d)) required.push_back(d.name);
   }
-  return map_of(std::move(properties), std::move(required));
+  return map_of(std::move(properties), required);
 }
 
 Json schema_without_words(const ParameterDeclaration& d) {
