@@ -3,18 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <system_error>
 
 #include "framework/module/document.h"
 
 namespace ilss {
 namespace {
+
+/// Beyond this a line is no row of a recording, and the file probably no CSV.
+constexpr std::size_t most_line_length = std::size_t{1} << 20;  // bytes
 
 std::string_view trimmed(std::string_view cell) {
   constexpr std::string_view around = " \t\r\"";
@@ -41,6 +45,54 @@ std::optional<double> parse_number(std::string_view cell) {
   return value;
 }
 
+Fault lost(std::string message) { return {FaultKind::device_lost, std::move(message)}; }
+
+Outcome<std::string> read_text(const std::filesystem::path& path) {
+  const auto unreadable = [&](const std::error_code& error) {
+    return lost(fmt::format("cannot read '{}': {}", path.string(), error.message()));
+  };
+  std::error_code error;
+  const bool regular = std::filesystem::is_regular_file(path, error);
+  if (error) return unreadable(error);
+  // Opening a pipe would block the run, and a device may never end.
+  if (!regular) return lost(fmt::format("'{}' is not a regular file", path.string()));
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) return unreadable({errno, std::generic_category()});
+  std::string text;
+  std::string line(most_line_length + 1, '\0');
+  std::size_t number = 1;
+  for (; stream.getline(line.data(), static_cast<std::streamsize>(line.size())); ++number) {
+    const auto taken = static_cast<std::size_t>(stream.gcount());  // counts the line's end, too
+    text.append(line, 0, stream.eof() ? taken : taken - 1) += '\n';
+  }
+  if (stream.bad()) return unreadable({errno, std::generic_category()});
+  if (!stream.eof())
+    return lost(fmt::format("{}:{}: the line is longer than 1 MB; is this a CSV file?",
+                            path.string(), number));
+  if (text.find('\0') != std::string::npos)
+    return lost(fmt::format("'{}' holds binary data; expected CSV text", path.string()));
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  if (text.starts_with(byte_order_mark)) text.erase(0, byte_order_mark.size());
+  return text;
+}
+
+/// The cell for a message: what a terminal or JSON could not take shows as '?', long text is cut.
+std::string shown(std::string_view cell) {
+  constexpr std::size_t most = 40;
+  std::string text(cell.substr(0, most));
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return cell.size() > most ? text + "..." : text;
+}
+
+/// "front, left, back"; a header of very many columns is cut short.
+std::string list_of(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 50;
+  const auto end = names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), most));
+  const std::string list = fmt::format("{}", fmt::join(names.begin(), end, ", "));
+  return names.size() <= most ? list : fmt::format("{} and {} more", list, names.size() - most);
+}
+
 }  // namespace
 
 Outcome<std::shared_ptr<const CsvFile>> CsvFile::open(const std::filesystem::path& path) {
@@ -49,16 +101,15 @@ Outcome<std::shared_ptr<const CsvFile>> CsvFile::open(const std::filesystem::pat
   static std::map<std::filesystem::path, std::weak_ptr<const CsvFile>> held;
   const std::lock_guard lock(mutex);
   if (auto file = held[path].lock()) return file;
-  std::ifstream stream(path, std::ios::binary);
-  std::string text;
-  std::array<char, 65536> block;
-  do {
-    stream.read(block.data(), block.size());
-    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
-  } while (stream);
-  if (!stream.eof())
-    return Fault{FaultKind::device_lost, fmt::format("cannot read '{}'", path.string())};
-  std::shared_ptr<const CsvFile> file(new CsvFile(path, std::move(text)));
+  auto text = read_text(path);
+  if (!text) return text.fault();
+  std::shared_ptr<const CsvFile> file(new CsvFile(path, std::move(*text)));
+  if (file->header_.size() == 1 && file->header_[0].find(';') != std::string::npos)
+    return lost(
+        fmt::format("the columns of '{}' are separated by ';'; expected ','", path.string()));
+  if (file->rows_.empty())
+    return lost(fmt::format("'{}' {}", path.string(),
+                            file->header_.empty() ? "is empty" : "has a header, but no rows"));
   held[path] = file;
   return file;
 }
@@ -74,16 +125,17 @@ CsvFile::CsvFile(std::filesystem::path path, std::string text)
     rows_.push_back(row);
   }
   if (rows_.empty()) return;
-  bool all_numbers = true;
+  std::vector<std::string> first;
+  bool names = false;
   for_each_cell(text_of(rows_.front()), [&](std::string_view cell) {
-    all_numbers &= parse_number(cell).has_value();
-    header_.emplace_back(cell);
+    names |= !cell.empty() && !parse_number(cell);
+    first.emplace_back(cell);
     return true;
   });
-  if (all_numbers)
-    header_.clear();
-  else
-    rows_.erase(rows_.begin());
+  columns_ = first.size();
+  if (!names) return;
+  header_ = std::move(first);
+  rows_.erase(rows_.begin());
 }
 
 Outcome<std::size_t> CsvFile::find_column(std::string_view name) const {
@@ -91,14 +143,15 @@ Outcome<std::size_t> CsvFile::find_column(std::string_view name) const {
   if (found != header_.end()) return static_cast<std::size_t>(found - header_.begin());
   std::size_t number = 0;
   const auto [stop, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-  if (error == std::errc{} && stop == name.data() + name.size() && number >= 1) return number - 1;
-  return Fault{FaultKind::bad_data,
-               header_.empty()
-                   ? fmt::format("'{}' has no header, so its columns have numbers (from 1), not "
-                                 "names like '{}'",
-                                 path_.string(), name)
-                   : fmt::format("'{}' has no column '{}'{}", path_.string(), name,
-                                 suggestion(name, header_))};
+  const bool is_number = error == std::errc{} && stop == name.data() + name.size();
+  if (is_number && number >= 1 && number <= columns_) return number - 1;
+  if (header_.empty())
+    return lost(
+        fmt::format("'{}' has no column '{}': without a header its columns have no names, "
+                    "only the numbers 1 to {}",
+                    path_.string(), name, columns_));
+  return lost(fmt::format("'{}' has no column '{}' (its columns: {}){}", path_.string(), name,
+                          list_of(header_), suggestion(name, header_)));
 }
 
 Outcome<double> CsvFile::number(std::size_t row, std::size_t column) const {
@@ -114,10 +167,13 @@ Outcome<double> CsvFile::number(std::size_t row, std::size_t column) const {
                  fmt::format("{}:{}: the row has {} columns, number {} is "
                              "wanted",
                              path_.string(), rows_[row].line, count, column + 1)};
+  if (wanted->empty())
+    return Fault{FaultKind::no_detection, fmt::format("{}:{}: no echo: column {} is empty",
+                                                      path_.string(), rows_[row].line, column + 1)};
   if (const auto value = parse_number(*wanted)) return *value;
   return Fault{FaultKind::bad_data,
                fmt::format("{}:{}: expected a number in column {}, got '{}'", path_.string(),
-                           rows_[row].line, column + 1, *wanted)};
+                           rows_[row].line, column + 1, shown(*wanted))};
 }
 
 }  // namespace ilss

@@ -41,7 +41,9 @@ void GivenRange::declare(OptionVisitor& visit) {
 }
 
 void RangeColumn::declare(OptionVisitor& visit) {
-  visit("file", file, "a CSV file, one row a reading; lines that start with # are comments",
+  visit("file", file,
+        "a CSV file, one row a reading; an empty cell is no echo (`no_detection`); empty lines and "
+        "lines that start with # are left out",
         {.required = true});
   visit("column", column, "the column's name in the header, or its number from 1");
   visit("unit", unit, "the unit of its numbers");

@@ -49,9 +49,10 @@ struct SonarInput {
 /// (Schenkat & Veigel found the variance to depend on range). Beam and mount pass into the output
 /// with their own, persistent errors. A simulated range is exact but for that noise, the
 /// parameters' values being the truth.
-/// Pending between readings where `period` > 1. Faults: no_detection without an echo; end_of_data
-/// after the last reading; bad_data and device_lost for recordings that cannot be read;
-/// out_of_range for a reading that is not positive.
+/// Pending between readings where `period` > 1. Faults: no_detection without an echo (recorded as
+/// an empty cell); end_of_data after the last reading; bad_data for a recorded cell that is no
+/// number; device_lost for a recording that cannot be read or lacks the column; out_of_range for a
+/// reading that is not positive.
 class Sonar final : public Module {
  public:
   static constexpr std::string_view name = "sonar";

@@ -121,6 +121,20 @@ TEST(Sonar, LosesItsDeviceWhereTheRecordingIsMissing) {
   EXPECT_EQ(fault_of(run(sonar, tick_at(0)).outcome), "device_lost");
 }
 
+TEST(Sonar, LosesItsDeviceWhereTheRecordingLacksTheColumn) {
+  const std::string path = write_file("sonar_test_columns.csv", "S1,S2\n100,912\n");
+  Sonar sonar(sonar_options("{range_std: 2 mm, input: {csv: {file: " + path + ", column: S3}}}"));
+  for (const std::int64_t tick : {0, 1})
+    EXPECT_EQ(fault_of(run(sonar, tick_at(tick)).outcome), "device_lost") << "tick " << tick;
+}
+
+TEST(Sonar, DetectsNothingWhereTheRecordedCellIsEmpty) {
+  const std::string path = write_file("sonar_test_empty.csv", "S1,S2\n1,\n1,2\n");
+  Sonar sonar(sonar_options("{range_std: 2 mm, input: {csv: {file: " + path + ", column: S2}}}"));
+  EXPECT_EQ(fault_of(run(sonar, tick_at(0)).outcome), "no_detection");
+  EXPECT_EQ(range_of(run(sonar, tick_at(1))), 2);
+}
+
 class SonarInScene : public ::testing::Test {
  protected:
   SonarInScene() {
