@@ -1,6 +1,9 @@
 // `ilss compare`: alternatives side by side, predicted and measured, against truth and requirement.
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <limits>
+
 #include "src/compare_report.h"
 #include "src/session.h"
 
@@ -44,8 +47,9 @@ void add_compare(CLI::App& app, Session& session) {
       "compare", "Alternatives side by side: predicted, run, judged against truth and requirement");
   verb->add_option("STUDY", arguments->study, "Study file")->required();
   verb->add_option("--runs", arguments->runs, "Runs of each system in each case")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
-  verb->add_option("--seed", arguments->seed, "Seed of the random errors");
+      ->transform(whole_number(std::int64_t{1}, std::int64_t{1'000'000'000}));
+  verb->add_option("--seed", arguments->seed, "Seed of the random errors")
+      ->transform(whole_number(std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max()));
   verb->add_flag("--enforce", arguments->enforce,
                  "Exit with 1 where an alternative misses the requirement");
   verb->add_flag("--json", arguments->json, "Print JSON");

@@ -132,18 +132,33 @@ void print_markdown(const ModuleType& type) {
 
 Json payload_json(const PayloadDescriptor& payload) {
   Json components = Json::array();
-  for (const Component& component : payload.components)
-    components.push_back({{"name", component.name},
-                          {"unit", component.unit},
-                          {"documentation", component.documentation}});
-  return {{"type", payload.name}, {"components", std::move(components)}};
+  for (const Component& component : payload.components) {
+    Json entry = {{"name", component.name},
+                  {"unit", component.unit},
+                  {"documentation", component.documentation}};
+    if (component.default_value) entry["default"] = *component.default_value;
+    components.push_back(std::move(entry));
+  }
+  Json json = {{"type", payload.name}, {"components", std::move(components)}};
+  for (const Label& label : payload.labels) json["labels"][label.name] = label.values;
+  return json;
+}
+
+/// An output that is in the frame of one of its inputs names that input instead.
+Json output_json(const Interface& interface) {
+  Json json = payload_json(*interface.output);
+  json["frame"] = interface.frame;
+  if (interface.frame_of_input)
+    json["frame_of_input"] = interface.inputs[*interface.frame_of_input].name;
+  return json;
 }
 
 Json type_json(const ModuleType& type) {
   const Interface interface = type.interface(Settings{});
   Json inputs = Json::array();
   for (const InputDeclaration& input : interface.inputs)
-    inputs.push_back({{"name", input.name}, {"payload", payload_json(*input.payload)}});
+    inputs.push_back(
+        {{"name", input.name}, {"payload", payload_json(*input.payload)}, {"frame", input.frame}});
   Json parameters = Json::array();
   for_each_parameter(type.declarations, "",
                      [&](const std::string& name, const ParameterDeclaration& parameter) {
@@ -161,7 +176,7 @@ Json type_json(const ModuleType& type) {
           {"description", type.description},
           {"reference", type.reference},
           {"inputs", std::move(inputs)},
-          {"output", payload_json(*interface.output)},
+          {"output", output_json(interface)},
           {"parameters", std::move(parameters)},
           {"faults", std::move(faults)}};
 }

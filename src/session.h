@@ -1,7 +1,11 @@
 // What every verb of the command shares: the registry, plug-ins, reading graphs, exit statuses.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <concepts>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -41,6 +45,22 @@ struct Session {
 
 /// The option `--set MODULE.PARAMETER=VALUE`, the same in every verb that takes a graph.
 void add_set_option(CLI::App& verb, std::vector<std::string>& sets);
+
+/// Accepts whole numbers in the range, in decimal digits; CLI11 itself wraps or clamps what does
+/// not fit and reads a leading 0 as octal.
+template <std::integral T>
+CLI::Validator whole_number(T least, T most) {
+  const auto read = [least, most](std::string& text) -> std::string {
+    T value{};
+    const char* text_end = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data(), text_end, value);
+    if (error != std::errc{} || end != text_end || value < least || value > most)
+      return fmt::format("'{}' is not a whole number from {} to {}", text, least, most);
+    text = std::to_string(value);
+    return {};
+  };
+  return {read, ""};
+}
 
 /// Each adds its verb to the command.
 void add_check(CLI::App& app, Session& session);

@@ -1,0 +1,33 @@
+// Output that cannot be written is never lost in silence.
+#include <gtest/gtest.h>
+
+#include "command.h"
+
+namespace ilss {
+namespace {
+
+TEST(Output, FullDiskFailsEveryVerb) {
+  // Short output fails when it is flushed at the end, long output on the way.
+  for (const std::string arguments : {"--help", "check graphs/wall_pose_sonar.yaml",
+                                      "modules --json", "run graphs/sonar_ring.yaml --json"}) {
+    const Heard heard = call_command(arguments + " > /dev/full");
+    EXPECT_EQ(heard.status, 1) << arguments;
+    EXPECT_EQ(heard.errors, "ilss: cannot write the output: No space left on device\n")
+        << arguments;
+  }
+}
+
+TEST(Output, ReaderWhoLeavesIsNoError) {
+  // With SIGPIPE ignored, the command itself sees that the pipe is closed.
+  for (const std::string trap : {"", "trap '' PIPE; "}) {
+    const std::filesystem::path errors = test_file("errors");
+    const std::string line = "(" + trap + "'" ILSS_COMMAND "' schema 2> '" + errors.string() +
+                             "') | head -c 1 > /dev/null";
+    ASSERT_EQ(std::system(line.c_str()), 0);
+    EXPECT_EQ(text_of(errors), "") << line;
+    std::filesystem::remove(errors);
+  }
+}
+
+}  // namespace
+}  // namespace ilss
