@@ -1,9 +1,14 @@
 // `ilss run`: a system over its input, with its instruments.
 #include <fmt/format.h>
 
+#include <array>
+#include <cerrno>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
+#include <cstring>
 #include <fstream>
+#include <limits>
 
 #include "framework/estimate/units.h"
 #include "framework/runtime/agreement.h"
@@ -19,6 +24,10 @@ volatile std::sig_atomic_t interrupted = 0;
 
 /// Where no --ticks is given, a run without end stops here.
 constexpr std::int64_t default_ticks = 1000;
+constexpr double longest_period = 1e6;  // s
+
+/// Outputs up to this number are shown one by one at every tick; more are counted.
+constexpr std::size_t most_outputs_shown = 4;
 
 struct Arguments {
   std::string graph;
@@ -31,11 +40,24 @@ struct Arguments {
   bool quiet = false;
 };
 
+/// How often there was which verdict.
+using VerdictCounts = std::array<std::uint64_t, static_cast<std::size_t>(Verdict::invalid) + 1>;
+
 /// What the summary tells of one output beyond its outcomes.
 struct OutputSummary {
   std::uint64_t outputs = 0;
+  VerdictCounts verdicts = {};
   std::vector<double> variance_sum;
 };
+
+/// Leaves the run after the tick at the first Ctrl-C; the second ends the command, so that a run
+/// that hangs in a tick can be ended, too.
+void end_run_at_interrupt() {
+  struct sigaction action = {};
+  action.sa_handler = [](int) { interrupted = 1; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+  sigaction(SIGINT, &action, nullptr);
+}
 
 /// The first node whose source has come to its end or cannot be read any more, if any.
 std::optional<std::size_t> find_fault(const System& system, FaultKind kind) {
@@ -44,7 +66,7 @@ std::optional<std::size_t> find_fault(const System& system, FaultKind kind) {
   return std::nullopt;
 }
 
-Json tick_json(const Runner& runner, double time) {
+Json tick_json(const Runner& runner, double time, const std::vector<VerdictReport>& verdicts) {
   const System& system = runner.system();
   const Plan& plan = system.plan();
   const auto [outcome, at] = system_outcome(system);
@@ -52,7 +74,7 @@ Json tick_json(const Runner& runner, double time) {
   if (outcome->is_fault())
     json["fault"] =
         fault_json(outcome->fault(), plan.nodes[system.node(at).origin.value_or(at)].name);
-  json["output"] = outputs_json(system, plan.owners, judge(system));
+  json["output"] = outputs_json(system, plan.owners, verdicts);
   Json modules = Json::object();
   for (std::size_t i = 0; i < system.size(); ++i) {
     const NodeState& state = system.node(i);
@@ -69,40 +91,77 @@ Json tick_json(const Runner& runner, double time) {
   return json;
 }
 
-void print_tick(const System& system, double time) {
-  const Plan& plan = system.plan();
-  std::string line = fmt::format("{:>6} {:>9.3f} s ", system.ticks() - 1, time);
-  if (plan.outputs.size() > 1) {
-    std::size_t given = 0;
-    for (const std::size_t output : plan.outputs)
-      given += system.node(output).outcome.has_output() ? 1U : 0U;
-    fmt::print("{} {} of {} outputs\n", line, given, plan.outputs.size());
-    return;
-  }
-  const NodeState& state = system.node(plan.outputs.front());
-  if (state.outcome.has_output()) {
-    const Estimate& estimate = state.output.estimate;
-    for (std::size_t i = 0; i < estimate.dimension(); ++i) {
-      const Component& component = estimate.type->components[i];
-      line += fmt::format(
-          " {} {}", component.name,
-          quantity_text(estimate.value[i], estimate.lineage.standard_deviation(i), component.unit));
-    }
-  } else if (state.outcome.is_fault()) {
-    line += fmt::format(" {} in {}: {}", fault_name(state.outcome.fault().kind),
-                        plan.nodes[state.origin.value_or(plan.outputs.front())].name,
-                        state.outcome.fault().message);
-  } else {
-    line += " pending";
-  }
-  fmt::print("{}\n", line);
+/// The verdicts that are not linear_ok: "23 second_order, 2 invalid"; empty where there is none.
+std::string verdict_counts_text(const VerdictCounts& counts) {
+  std::string text;
+  for (std::size_t verdict = 0; verdict < counts.size(); ++verdict)
+    if (counts[verdict] != 0 && static_cast<Verdict>(verdict) != Verdict::linear_ok)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", counts[verdict],
+                          verdict_name(static_cast<Verdict>(verdict)));
+  return text;
 }
 
-void observe_outputs(const System& system, std::vector<OutputSummary>& summaries) {
+/// What one output came to in a tick, on one line, with a mark where its error is not to be
+/// believed as it stands.
+std::string output_text(const System& system, std::size_t node, Verdict verdict) {
+  const NodeState& state = system.node(node);
+  if (state.outcome.is_fault())
+    return fmt::format("{} in {}: {}", fault_name(state.outcome.fault().kind),
+                       system.plan().nodes[state.origin.value_or(node)].name,
+                       state.outcome.fault().message);
+  if (!state.outcome.has_output()) return "pending";
+  const Estimate& estimate = state.output.estimate;
+  std::string text;
+  for (std::size_t i = 0; i < estimate.dimension(); ++i) {
+    const Component& component = estimate.type->components[i];
+    text += fmt::format(
+        "{}{} {}", i == 0 ? "" : " ", component.name,
+        quantity_text(estimate.value[i], estimate.lineage.standard_deviation(i), component.unit));
+  }
+  if (verdict != Verdict::linear_ok)
+    text += fmt::format("  {} {}", verdict == Verdict::invalid ? '!' : '~', verdict_name(verdict));
+  return text;
+}
+
+/// "22 of 24 outputs (3 second_order)".
+std::string output_counts_text(const System& system, const std::vector<VerdictReport>& verdicts) {
+  const std::vector<std::size_t>& outputs = system.plan().outputs;
+  std::size_t given = 0;
+  VerdictCounts counts = {};
+  for (std::size_t o = 0; o < outputs.size(); ++o) {
+    if (!system.node(outputs[o]).outcome.has_output()) continue;
+    ++given;
+    ++counts[static_cast<std::size_t>(verdicts[o].verdict)];
+  }
+  const std::string not_linear = verdict_counts_text(counts);
+  return fmt::format("{} of {} outputs{}", given, outputs.size(),
+                     not_linear.empty() ? "" : fmt::format(" ({})", not_linear));
+}
+
+void print_tick(const System& system, double time, const std::vector<VerdictReport>& verdicts) {
+  const Plan& plan = system.plan();
+  const std::string when = fmt::format("{:>6} {:>9.3f} s", system.ticks() - 1, time);
+  if (plan.outputs.size() == 1) {
+    fmt::print("{}  {}\n", when, output_text(system, plan.outputs[0], verdicts[0].verdict));
+    return;
+  }
+  if (plan.outputs.size() > most_outputs_shown) {
+    fmt::print("{}  {}\n", when, output_counts_text(system, verdicts));
+    return;
+  }
+  fmt::print("{}\n", when);
+  for (std::size_t o = 0; o < plan.outputs.size(); ++o)
+    fmt::print("         {:<20} {}\n", plan.nodes[plan.outputs[o]].name,
+               output_text(system, plan.outputs[o], verdicts[o].verdict));
+}
+
+void observe_outputs(const System& system, const std::vector<VerdictReport>& verdicts,
+                     std::vector<OutputSummary>& summaries) {
   for (std::size_t o = 0; o < summaries.size(); ++o) {
     const NodeState& state = system.node(system.plan().outputs[o]);
     if (!state.fresh) continue;
     ++summaries[o].outputs;
+    ++summaries[o].verdicts[static_cast<std::size_t>(verdicts[o].verdict)];
     summaries[o].variance_sum.resize(state.output.estimate.dimension(), 0.0);
     for (std::size_t i = 0; i < summaries[o].variance_sum.size(); ++i)
       summaries[o].variance_sum[i] += state.output.estimate.lineage.variance(i);
@@ -134,6 +193,8 @@ void print_outputs(const Runner& runner, const std::vector<OutputSummary>& summa
                             quantity_text(std::sqrt(summaries[o].variance_sum[i] /
                                                     static_cast<double>(summaries[o].outputs)),
                                           components[i].unit));
+    const std::string not_linear = verdict_counts_text(summaries[o].verdicts);
+    if (!not_linear.empty()) stated += fmt::format("   ({})", not_linear);
     fmt::print("{:<20} {:>8}  {:<40} {}\n", plan.nodes[node].name, summaries[o].outputs,
                fault_counts_text(runner.outcomes(node)), stated);
   }
@@ -179,8 +240,17 @@ double read_period(const std::string& text) {
   const auto period = parse_quantity(text, "s");
   if (const auto* error = std::get_if<std::string>(&period))
     fail(exit_bad_input, "--period: " + *error);
-  if (!(std::get<double>(period) > 0)) fail(exit_bad_input, "--period must be above 0");
+  if (!(std::get<double>(period) > 0 && std::get<double>(period) <= longest_period))
+    fail(exit_bad_input,
+         fmt::format("--period must be above 0 and at most {:.0f} s", longest_period));
   return std::get<double>(period);
+}
+
+/// Finds out before a run whether its profile can be written, and leaves a file as it is.
+void check_profile_file(const std::string& path) {
+  if (!std::ofstream(path, std::ios::app))
+    fail(exit_bad_input,
+         fmt::format("--profile: cannot write '{}': {}", path, std::strerror(errno)));
 }
 
 void write_profile_file(const std::string& path, const Runner& runner) {
@@ -189,16 +259,20 @@ void write_profile_file(const std::string& path, const Runner& runner) {
   if (!file.flush()) fail(exit_failed, fmt::format("cannot write the profile '{}'", path));
 }
 
+std::string ticks_text(std::int64_t ticks) {
+  return fmt::format("{} tick{}", ticks, ticks == 1 ? "" : "s");
+}
+
 int run(const Arguments& arguments, Session& session) {
   session.load_modules();
   const double period = read_period(arguments.period);
   const std::int64_t most_ticks = arguments.ticks.value_or(default_ticks);
-  if (most_ticks < 0) fail(exit_bad_input, "--ticks must not be negative");
   const Plan plan = session.read_graph(arguments.graph, arguments.sets);
+  if (!arguments.profile.empty()) check_profile_file(arguments.profile);
   Runner runner(plan, arguments.seed);
   Agreement agreement(plan);
   std::vector<OutputSummary> summaries(plan.outputs.size());
-  std::signal(SIGINT, [](int) { interrupted = 1; });
+  end_run_at_interrupt();
   bool ended = false;
   std::int64_t tick = 0;
   for (; (most_ticks == 0 || tick < most_ticks) && interrupted == 0; ++tick) {
@@ -206,12 +280,13 @@ int run(const Arguments& arguments, Session& session) {
     runner.step(time);
     ended = find_fault(runner.system(), FaultKind::end_of_data).has_value();
     if (ended) break;
-    observe_outputs(runner.system(), summaries);
+    const std::vector<VerdictReport> verdicts = judge(runner.system());
+    observe_outputs(runner.system(), verdicts, summaries);
     agreement.observe(runner.system());
     if (arguments.json)
-      fmt::print("{}\n", tick_json(runner, time).dump());
+      fmt::print("{}\n", tick_json(runner, time, verdicts).dump());
     else if (!arguments.quiet)
-      print_tick(runner.system(), time);
+      print_tick(runner.system(), time, verdicts);
     if (const auto lost = find_fault(runner.system(), FaultKind::device_lost)) {
       const NodeState& state = runner.system().node(*lost);
       fmt::print(stderr, "ilss: the run cannot go on: '{}': {}\n",
@@ -219,13 +294,14 @@ int run(const Arguments& arguments, Session& session) {
       return exit_failed;
     }
   }
-  if (!ended && interrupted == 0 && !arguments.ticks)
+  if (interrupted != 0)
+    fmt::print(stderr, "ilss: interrupted after {}\n", ticks_text(tick));
+  else if (!ended && !arguments.ticks)
     fmt::print(stderr,
-               "ilss: stopped after {} ticks; --ticks N goes on, --ticks 0 to the end of "
-               "the data\n",
-               tick);
+               "ilss: stopped after {}; --ticks N goes on, --ticks 0 to the end of the data\n",
+               ticks_text(tick));
   if (!arguments.json) {
-    fmt::print("\n{} ticks{}\n", tick, ended ? ", to the end of the data" : "");
+    fmt::print("\n{}{}\n", ticks_text(tick), ended ? ", to the end of the data" : "");
     print_outputs(runner, summaries);
     print_agreement(agreement, plan);
     print_latency(runner);
@@ -242,13 +318,19 @@ void add_run(CLI::App& app, Session& session) {
   verb->add_option("GRAPH", arguments->graph, "Graph file")->required();
   add_set_option(*verb, arguments->sets);
   verb->add_option("--ticks", arguments->ticks,
-                   "At most so many ticks; 0: to the end of the data (default 1000)");
+                   "At most so many ticks; 0: to the end of the data (default 1000)")
+      ->transform(whole_number(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
   verb->add_option("--period", arguments->period, "Time from tick to tick")->capture_default_str();
-  verb->add_option("--seed", arguments->seed, "Seed of all random numbers")->capture_default_str();
+  verb->add_option("--seed", arguments->seed, "Seed of all random numbers")
+      ->transform(whole_number(std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max()))
+      ->capture_default_str();
   verb->add_option("--profile", arguments->profile, "Write the modules' measured times here")
-      ->type_name("FILE");
-  verb->add_flag("--quiet", arguments->quiet, "Print the summary only");
-  verb->add_flag("--json", arguments->json, "Print one JSON object a tick");
+      ->type_name("FILE")
+      ->check([](const std::string& file) -> std::string {
+        return file.empty() ? "the file's name is empty" : "";
+      });
+  auto* quiet = verb->add_flag("--quiet", arguments->quiet, "Print the summary only");
+  verb->add_flag("--json", arguments->json, "Print one JSON object a tick")->excludes(quiet);
   verb->callback([arguments, &session] { throw Exit{run(*arguments, session)}; });
 }
 
