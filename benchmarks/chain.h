@@ -36,7 +36,7 @@ class PlusOne final : public Module {
  public:
   static constexpr std::string_view name = "plus_one";
   static constexpr std::string_view description = "Adds one";
-  static constexpr ModuleKind kind = ModuleKind::estimator;
+  static constexpr ModuleKind kind = ModuleKind::function;
   static Interface interface() {
     return {{{"number", &descriptor<Number>(), {}, false}}, &descriptor<Number>(), {}, 0};
   }

@@ -98,8 +98,12 @@ Json time_json(const TimePrediction& time, const Plan& plan) {
   for (const std::size_t node : time.critical_path) path.push_back(plan.nodes[node].name);
   Json unknown = Json::array();
   for (const std::size_t node : time.unknown) unknown.push_back(plan.nodes[node].name);
-  Json json = {{"typical_s", time.typical},
-               {"worst_s", time.worst},
+  // A sum with unknown parts is no time; what is known of it has a name of its own.
+  const bool known = time.unknown.empty();
+  Json json = {{"typical_s", known ? Json(time.typical) : Json(nullptr)},
+               {"worst_s", known ? Json(time.worst) : Json(nullptr)},
+               {"known_typical_s", time.typical},
+               {"known_worst_s", time.worst},
                {"critical_path", std::move(path)},
                {"unknown", std::move(unknown)}};
   return json;

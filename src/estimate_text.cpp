@@ -69,7 +69,8 @@ std::string quantity_text(double value, double standard_deviation, const std::st
 std::string estimate_text(const Estimate& estimate, const VerdictReport& verdict) {
   std::string text = estimate.type->name;
   if (!estimate.frame.empty()) text += fmt::format(" in frame {}", estimate.frame);
-  text += fmt::format(", {}\n", verdict_name(verdict.verdict));
+  text += fmt::format(", {}{}{}\n", verdict_name(verdict.verdict),
+                      verdict.reason.empty() ? "" : ": ", verdict.reason);
   for (std::size_t i = 0; i < estimate.dimension(); ++i) {
     const Component& component = estimate.type->components[i];
     text += fmt::format(

@@ -44,15 +44,42 @@ std::map<std::size_t, System::OperatingPoint> read_operating_points(
   return points;
 }
 
+/// Tells why an output is not there, and what would help.
+void report_fault(const System& system, std::size_t node) {
+  const Plan& plan = system.plan();
+  const Outcome<>& outcome = system.node(node).outcome;
+  const std::string& module = plan.nodes[system.node(node).origin.value_or(node)].name;
+  const Fault fault = outcome.is_fault()
+                          ? outcome.fault()
+                          : Fault{FaultKind::no_error_known, "nothing is expected of it yet"};
+  fmt::print(stderr, "ilss: no prediction of '{}': '{}': {} ({})\n", plan.nodes[node].name, module,
+             fault.message, fault_name(fault.kind));
+}
+
 void print_text(const Plan& plan, const System& system, const std::vector<VerdictReport>& verdicts,
                 const TimePrediction& time) {
   for (std::size_t o = 0; o < plan.outputs.size(); ++o) {
-    const Estimate& estimate = system.node(plan.outputs[o]).output.estimate;
+    const NodeState& state = system.node(plan.outputs[o]);
+    if (!state.outcome.has_output()) continue;
+    const Estimate& estimate = state.output.estimate;
     fmt::print("{}: {}", plan.nodes[plan.outputs[o]].name, estimate_text(estimate, verdicts[o]));
     const std::string shares = budget_text(estimate, plan.owners);
     if (!shares.empty()) fmt::print("share of the variance\n{}", shares);
   }
   fmt::print("{}", time_text(time, plan));
+}
+
+/// Faults of the outputs that are not there.
+Json faults_json(const System& system) {
+  const Plan& plan = system.plan();
+  Json faults = Json::array();
+  for (const std::size_t node : plan.outputs) {
+    const NodeState& state = system.node(node);
+    if (state.outcome.is_fault())
+      faults.push_back(
+          fault_json(state.outcome.fault(), plan.nodes[state.origin.value_or(node)].name));
+  }
+  return faults;
 }
 
 int predict(const Arguments& arguments, Session& session) {
@@ -68,35 +95,26 @@ int predict(const Arguments& arguments, Session& session) {
   system.expect(points);
   const TimePrediction time =
       predict_time(plan, arguments.parallel ? Execution::parallel : Execution::one_thread);
-  const auto [outcome, at] = system_outcome(system);
-  if (outcome->has_output()) {
-    const auto verdicts = judge(system, given);
-    if (arguments.json) {
-      fmt::print("{}\n", Json{{"output", outputs_json(system, plan.owners, verdicts)},
-                              {"time", time_json(time, plan)}}
-                             .dump(2));
-    } else {
-      print_text(plan, system, verdicts, time);
-    }
-    return exit_fine;
+  const auto verdicts = judge(system, given);
+  std::size_t missing = 0;
+  for (const std::size_t node : plan.outputs) {
+    if (system.node(node).outcome.has_output()) continue;
+    ++missing;
+    report_fault(system, node);
   }
-  const std::string& module = plan.nodes[system.node(at).origin.value_or(at)].name;
-  const Fault fault = outcome->is_fault()
-                          ? outcome->fault()
-                          : Fault{FaultKind::no_error_known, "nothing is expected of it yet"};
-  if (arguments.json)
-    fmt::print("{}\n", Json{{"output", nullptr},
-                            {"fault", fault_json(fault, module)},
-                            {"time", time_json(time, plan)}}
-                           .dump(2));
-  fmt::print(stderr, "ilss: no prediction: '{}': {} ({})\n", module, fault.message,
-             fault_name(fault.kind));
-  if (fault.kind == FaultKind::no_error_known)
+  if (missing != 0)
     fmt::print(stderr,
-               "      give its value and error: --at '{}={{COMPONENT: {{value: ..., std: "
-               "...}}, ...}}'\n",
-               module);
-  return exit_failed;
+               "      a module's operating point can be given: --at 'NAME={{COMPONENT: "
+               "{{value: ..., std: ...}}, ...}}'\n");
+  if (arguments.json) {
+    Json json = {{"output", outputs_json(system, plan.owners, verdicts)}};
+    if (missing != 0) json["faults"] = faults_json(system);
+    json["time"] = time_json(time, plan);
+    fmt::print("{}\n", json.dump(2));
+  } else if (missing < plan.outputs.size()) {
+    print_text(plan, system, verdicts, time);
+  }
+  return missing < plan.outputs.size() ? exit_fine : exit_failed;
 }
 
 }  // namespace

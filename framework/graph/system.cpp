@@ -26,7 +26,35 @@ std::unique_ptr<Module> create_module(const PlanNode& node) {
     return node.type->create(node.settings);
   } catch (const std::exception& error) {
     return std::make_unique<BrokenModule>(fmt::format("cannot be created: {}", error.what()));
+  } catch (...) {
+    return std::make_unique<BrokenModule>("cannot be created");
   }
+}
+
+/// What a call gives; what it throws becomes the fault `internal`.
+template <typename Call>
+Outcome<> guarded(const Call& call) {
+  try {
+    return call();
+  } catch (const std::exception& error) {
+    return Fault{FaultKind::internal, fmt::format("the module threw: {}", error.what())};
+  } catch (...) {
+    return Fault{FaultKind::internal, "the module threw"};
+  }
+}
+
+/// Whether a sensor or estimator kept its contract: as many numbers as its payload says, and finite
+/// ones with finite errors. Functions are checked where they are made.
+[[gnu::noinline]] bool keeps_contract(const Estimate& estimate, std::size_t dimension,
+                                      std::size_t labels) {
+  if (estimate.value.size() != dimension || estimate.lineage.dimension() != dimension ||
+      estimate.labels.size() != labels)
+    return false;
+  double zero = 0;  // NaN once anything is not finite
+  for (const double value : estimate.value) zero += 0 * value;
+  for (std::size_t k = 0; k < estimate.lineage.size(); ++k)
+    for (const double sensitivity : estimate.lineage.column(k)) zero += 0 * sensitivity;
+  return zero == 0;
 }
 
 }  // namespace
@@ -39,6 +67,9 @@ System::System(const Plan& plan, std::uint64_t seed, Folding folding)
     state.module = create_module(node);
     state.output.estimate = Estimate(*node.interface.output, node.frame);
     state.seed_ = derive_seed(seed, node.name);
+    state.dimension_ = static_cast<std::uint32_t>(node.interface.output->dimension());
+    state.label_count_ = static_cast<std::uint32_t>(node.interface.output->labels.size());
+    state.is_function_ = node.type->kind == ModuleKind::function;
     for (const PlanInput& input : node.inputs) {
       const NodeState& producer = nodes_[input.node];
       state.feeds_.push_back({&producer, input.max_age.value_or(INFINITY)});
@@ -53,7 +84,7 @@ void System::begin_tick(double time) {
   ++tick_;
 }
 
-inline Evaluation System::evaluation(std::size_t i) const {
+[[gnu::always_inline]] inline Evaluation System::evaluation(std::size_t i) const {
   const NodeState& state = nodes_[i];
   return {.tick = tick_ - 1,
           .time = time_,
@@ -71,7 +102,7 @@ void System::evaluate(double time) {
 /// Whether the node has all that it needs for this tick; then `output.acquired` is the oldest
 /// input's. Otherwise its outcome is set. In one pass and free of what seldom happens, since this
 /// is what a tick mostly does.
-inline bool System::take_inputs(std::size_t i) {
+[[gnu::always_inline]] inline bool System::take_inputs(std::size_t i) {
   NodeState& state = nodes_[i];
   bool any_fresh = state.feeds_.empty();
   bool all_there = true;
@@ -125,8 +156,22 @@ void System::report_stale(std::size_t i) {
   state.has_value = false;
 }
 
+void System::reject_output(std::size_t i) {
+  NodeState& state = nodes_[i];
+  const Estimate& estimate = state.output.estimate;
+  const bool complete = estimate.value.size() == state.dimension_ &&
+                        estimate.lineage.dimension() == state.dimension_ &&
+                        estimate.labels.size() == state.label_count_;
+  state.outcome =
+      complete ? Fault{FaultKind::not_finite, "a value or its error is not finite"}
+               : Fault{FaultKind::internal, "the output has other components or labels than " +
+                                                plan_->nodes[i].interface.output->name};
+  state.origin = i;
+  state.has_value = false;
+}
+
 template <typename Call>
-inline void System::call_module(std::size_t i, Call call) {
+[[gnu::always_inline]] inline void System::call_module(std::size_t i, Call call) {
   NodeState& state = nodes_[i];
   try {
     state.outcome = call();
@@ -136,9 +181,11 @@ inline void System::call_module(std::size_t i, Call call) {
     state.outcome = Fault{FaultKind::internal, "the module threw"};
   }
   if (state.outcome.has_output()) {
+    const Estimate& estimate = state.output.estimate;
+    if (!state.is_function_ && !keeps_contract(estimate, state.dimension_, state.label_count_))
+      return reject_output(i);
     state.fresh = true;
     state.has_value = true;
-    const Estimate& estimate = state.output.estimate;
     if (estimate.lineage.size() > estimate.dimension() && worth_folding(i)) fold(i);
   } else if (state.outcome.is_fault()) {
     state.origin = i;
@@ -236,11 +283,7 @@ void System::expect(const std::map<std::size_t, OperatingPoint>& operating_point
 }
 
 Outcome<> System::command(std::size_t node, const Command& command) {
-  try {
-    return nodes_.at(node).module->command(command);
-  } catch (const std::exception& error) {
-    return Fault{FaultKind::internal, fmt::format("the module threw: {}", error.what())};
-  }
+  return guarded([&] { return nodes_.at(node).module->command(command); });
 }
 
 std::vector<TestReport> System::run_tests(std::size_t node) {
@@ -248,6 +291,8 @@ std::vector<TestReport> System::run_tests(std::size_t node) {
     return nodes_.at(node).module->run_tests(evaluation(node));
   } catch (const std::exception& error) {
     return {{"embedded tests", false, fmt::format("the module threw: {}", error.what())}};
+  } catch (...) {
+    return {{"embedded tests", false, "the module threw"}};
   }
 }
 
@@ -259,11 +304,7 @@ Outcome<> System::try_function(std::size_t node, const Estimate& parameters,
                     .owner = static_cast<std::uint32_t>(node),
                     .parameters = parameters,
                     .inputs = inputs};
-  try {
-    return nodes_[node].module->evaluate(values, output);
-  } catch (const std::exception& error) {
-    return Fault{FaultKind::internal, fmt::format("the module threw: {}", error.what())};
-  }
+  return guarded([&] { return nodes_[node].module->evaluate(values, output); });
 }
 
 }  // namespace ilss

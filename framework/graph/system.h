@@ -40,6 +40,9 @@ struct NodeState {
   std::vector<Feed> feeds_;
   std::vector<const Output*> inputs_;  ///< the feeds' outputs
   std::uint64_t seed_ = 0;
+  std::uint32_t dimension_ = 0;    ///< of its payload, ...
+  std::uint32_t label_count_ = 0;  ///< ... which the module is held to, ...
+  bool is_function_ = false;       ///< ... unless it is a function, held to it where it is made
 };
 
 /// A plan's modules at work. Copies nothing of the plan, which must outlive it.
@@ -100,9 +103,11 @@ class System {
   void call_module(std::size_t i, Call call);
   void fold(std::size_t i);
   Outcome<> take_operating_point(std::size_t i, const OperatingPoint& point);
+  [[gnu::noinline, gnu::cold]] void reject_output(std::size_t i);
   bool worth_folding(std::size_t i) const;
   bool foldable(std::size_t i, const Source& source) const {
-    return !source.persistent() && source.owner < nodes_.size() &&
+    // Of this tick only: what a held value brings along is in outputs of earlier ticks, too.
+    return source.tick == tick_ - 1 && source.owner < nodes_.size() &&
            post_dominators_.post_dominates(i, source.owner);
   }
 

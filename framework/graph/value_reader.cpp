@@ -277,6 +277,13 @@ std::optional<GivenEstimate> read_estimate(const Node& node, const PayloadDescri
     owners.push_back({name + "." + component.name, false});
     given.estimate.lineage.add({owner, 0, 0}, i, si->scale * *standard_deviation);
   }
+  if (given.has_error && left_out == LeftOut::stay_unknown)
+    for (std::size_t i = 0; i < written->size(); ++i)
+      if (!(*written)[i].standard_deviation && !std::isnan((*written)[i].number))
+        diagnostics.add((*written)[i].position,
+                        fmt::format("'{}' has no std beside components that have one; give it, "
+                                    "0 if exact",
+                                    payload.components[i].name));
   if (covariance_node != nullptr) {
     given.has_error = true;
     const auto covariance = read_covariance(*covariance_node, written->size(), diagnostics);

@@ -49,8 +49,10 @@ enum class LeftOut {
 
 /// Reads a payload's value: a map of its components (each a quantity or {value, std}), a bare
 /// quantity for a payload of one component, or {value: {...}, covariance: [[...]]}. Components left
-/// out are as `left_out` says; those without a default must be given. Sources are random ones of
-/// tick 0, appended to `owners` under `name.component` (or `name` for a covariance).
+/// out are as `left_out` says; those without a default must be given.
+/// With `stay_unknown`, all given components or none have a std, so that none is exact by
+/// oversight. Sources are random ones of tick 0, appended to `owners` under `name.component` (or
+/// `name` for a covariance).
 std::optional<GivenEstimate> read_estimate(const Node& node, const PayloadDescriptor& payload,
                                            const std::string& name, SourceOwners& owners,
                                            Diagnostics& diagnostics,

@@ -1,5 +1,8 @@
 #include "framework/semantics/verdict.h"
 
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,6 +13,9 @@
 
 namespace ilss {
 namespace {
+
+/// How far sources are moved in search of another label (standard deviations).
+constexpr double label_distance = 2.5;
 
 /// Values without errors of every node that the outputs follow from, and how to redo them.
 class Perturbation {
@@ -35,19 +41,23 @@ class Perturbation {
   const std::vector<Source>& sources() const { return sources_; }
 
   /// Moves each source by its amount (standard deviations, in the order of `sources`) and redoes
-  /// every function; false on a fault.
-  bool apply(std::span<const double> amounts) {
+  /// every function.
+  void apply(std::span<const double> amounts) {
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       NodeValues& node = nodes_[i];
-      if (node.role == Role::moved) {
+      if (node.role == Role::moved)
         move(system_.node(i).output.estimate, amounts, node.output.estimate);
-      } else if (node.role == Role::redone) {
-        move(system_.plan().nodes[i].parameters, amounts, node.parameters);
-        if (!system_.try_function(i, node.parameters, node.inputs, node.output)) return false;
-      }
+      else if (node.role == Role::redone)
+        redo(i, amounts);
     }
-    return true;
   }
+
+  /// Whether the last move led out of the domain of a function that the node follows from, and
+  /// what that function said.
+  bool failed(std::size_t node) const { return nodes_[node].failed; }
+  const std::string& fault(std::size_t node) const { return nodes_[node].fault; }
+  /// Whether it changed a label on the way to the node: another case of a formula.
+  bool changed_label(std::size_t node) const { return nodes_[node].changed_label; }
 
   /// The largest number of each unit among what is redone and moved: rounding is relative to it,
   /// not to what is left where large numbers cancel.
@@ -73,11 +83,39 @@ class Perturbation {
     Output output;
     Estimate parameters;
     std::vector<const Output*> inputs;
+    bool failed = false;
+    std::string fault;
+    bool changed_label = false;
   };
+
+  void redo(std::size_t i, std::span<const double> amounts) {
+    NodeValues& node = nodes_[i];
+    const PlanNode& plan_node = system_.plan().nodes[i];
+    node.failed = false;
+    node.changed_label = false;
+    for (const PlanInput& input : plan_node.inputs) {
+      const NodeValues& producer = nodes_[input.node];
+      if (producer.failed && !node.failed) node.fault = producer.fault;
+      node.failed |= producer.failed;
+      node.changed_label |= producer.changed_label;
+    }
+    if (node.failed) return;
+    move(plan_node.parameters, amounts, node.parameters);
+    const Outcome<> outcome = system_.try_function(i, node.parameters, node.inputs, node.output);
+    node.failed = !outcome.has_output();
+    if (outcome.is_fault())
+      node.fault = fmt::format("'{}': {}", plan_node.name, outcome.fault().message);
+    node.changed_label |= node.output.estimate.labels != system_.node(i).output.estimate.labels;
+  }
 
   void prepare(std::size_t i) {
     NodeValues& node = nodes_[i];
     if (node.role == Role::unused) return;
+    if (!system_.node(i).outcome.has_output()) {
+      node.role = Role::unused;
+      node.failed = true;
+      return;
+    }
     node.output = system_.node(i).output;
     node.output.estimate.lineage.reset(node.output.estimate.dimension());
     if (node.role == Role::moved) {
@@ -111,7 +149,7 @@ class Perturbation {
   std::vector<Source> sources_;
 };
 
-/// Sums over sources of what moving each does to one output component.
+/// Sums over sources of what moving each does to an output along one direction.
 struct Moments {
   double curvature = 0;          ///< of second differences
   double squared_curvature = 0;  ///< of their squares
@@ -122,7 +160,7 @@ struct Moments {
   double extra_variance() const { return squared_curvature / 2 + mixed_variance; }
 };
 
-Verdict judge_component(const Moments& moments, double variance, double size) {
+Verdict judge_direction(const Moments& moments, double variance, double size) {
   const double bias = std::abs(moments.bias());
   const double extra = moments.extra_variance();
   // An error of rounding is no error.
@@ -137,92 +175,181 @@ Verdict judge_component(const Moments& moments, double variance, double size) {
   return linear ? Verdict::linear_ok : Verdict::second_order;
 }
 
-/// Moves sources and gathers what that does to every output component.
+/// The directions in which an output's error is judged, as rows: its components, and the principal
+/// axes of its covariance scaled to unit variance. Components alone would hide what happens across
+/// a thin error ellipse.
+Eigen::MatrixXd directions_of(const Estimate& estimate) {
+  const auto m = static_cast<Eigen::Index>(estimate.dimension());
+  const Eigen::MatrixXd covariance = estimate.lineage.covariance();
+  const Eigen::VectorXd inverse_scale = covariance.diagonal().unaryExpr(
+      [](double variance) { return variance > 0 ? 1 / std::sqrt(variance) : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      inverse_scale.asDiagonal() * covariance * inverse_scale.asDiagonal());
+  constexpr double rank_tolerance = 1e-10;
+  Eigen::MatrixXd directions = Eigen::MatrixXd::Identity(m, m);
+  for (Eigen::Index i = 0; m > 1 && i < m; ++i) {
+    const double eigenvalue = eigen.eigenvalues()[i];
+    if (eigenvalue <= rank_tolerance * static_cast<double>(m)) continue;
+    directions.conservativeResize(directions.rows() + 1, Eigen::NoChange);
+    directions.bottomRows(1) =
+        eigen.eigenvectors().col(i).cwiseProduct(inverse_scale).transpose() / std::sqrt(eigenvalue);
+  }
+  return directions;
+}
+
+/// What is known of one output after all moves.
+struct ProbedOutput {
+  std::size_t node;
+  Eigen::MatrixXd directions;
+  std::vector<Moments> moments;  ///< of each direction
+  Eigen::VectorXd above;         ///< offsets along the directions when moved to the one side
+  bool inside = true;            ///< no move led out of a function's domain
+  std::string reason = {};       ///< the first one that did
+  bool changes_label = false;
+};
+
+/// Moves sources and gathers what that does to every output.
 class Probe {
  public:
   Probe(const System& system, const std::vector<std::size_t>& cut)
       : system_(system), perturbation_(system, cut), amounts_(perturbation_.sources().size(), 0.0) {
-    for (const std::size_t output : outputs()) {
-      const std::size_t dimension = system.node(output).output.estimate.dimension();
-      moments_.emplace_back(dimension);
-      above_.emplace_back(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(dimension)));
+    for (const std::size_t node : system.plan().outputs) {
+      ProbedOutput& output = outputs_.emplace_back();
+      output.node = node;
+      output.inside = system.node(node).outcome.has_output();
+      if (!output.inside) continue;
+      output.directions = directions_of(system.node(node).output.estimate);
+      output.moments.resize(static_cast<std::size_t>(output.directions.rows()));
     }
   }
 
-  const std::vector<std::size_t>& outputs() const { return system_.plan().outputs; }
-  const Moments& moments(std::size_t output, std::size_t component) const {
-    return moments_[output][component];
-  }
+  const std::vector<ProbedOutput>& outputs() const { return outputs_; }
   std::map<std::string, double, std::less<>> sizes() const { return perturbation_.sizes(); }
 
-  /// One source at a time, to both sides; false where that leads out of some function's domain.
-  bool move_each() {
+  /// One source at a time, to both sides.
+  void move_each() {
     const double step = std::sqrt(3.0);
-    for (double& amount : amounts_) {
-      const bool inside = move_both_ways([&](double sign) { amount = sign * step; });
-      amount = 0;
-      if (!inside) return false;
-      for_each_component([&](Moments& m, double above, double below) {
+    for (std::size_t k = 0; k < amounts_.size(); ++k) {
+      const std::string& owner = system_.plan().owners[perturbation_.sources()[k].owner].name;
+      move_both_ways([&](double sign) { amounts_[k] = sign * step; },
+                     fmt::format("an error of {} of 1.7 standard deviations", owner));
+      for_each_direction([&](Moments& m, double above, double below) {
         const double second = (above + below) / (step * step);
         const double secant = (above - below) / (2 * step);
         m.curvature += second;
         m.squared_curvature += second * second;
         m.secant_variance += secant * secant;
       });
+      watch_labels([&](double sign) { amounts_[k] = sign * label_distance; });
+      amounts_[k] = 0;
     }
-    return true;
   }
 
   /// All sources at once by ±1 standard deviation, signs drawn: with second derivatives H, the mean
   /// of both ways is tr(H) / 2 + sum of s_i s_j H_ij over i < j, so its scatter is the mixed part.
-  bool move_together() {
+  void move_together() {
     constexpr int draws = 24;
-    if (amounts_.size() < 2) return true;
+    if (amounts_.size() < 2) return;
     RandomBits random(0);
     std::vector<double> signs(amounts_.size());
+    const double to_label_distance = label_distance / std::sqrt(static_cast<double>(signs.size()));
+    const auto set_all = [&](double factor) {
+      for (std::size_t k = 0; k < signs.size(); ++k) amounts_[k] = factor * signs[k];
+    };
     for (int d = 0; d < draws; ++d) {
       for (double& sign : signs) sign = (random() & 1) != 0 ? 1.0 : -1.0;
-      const bool inside = move_both_ways([&](double sign) {
-        for (std::size_t k = 0; k < signs.size(); ++k) amounts_[k] = sign * signs[k];
-      });
-      if (!inside) return false;
-      for_each_component([&](Moments& m, double above, double below) {
+      move_both_ways(set_all, "an error of one standard deviation of each source");
+      for_each_direction([&](Moments& m, double above, double below) {
         const double mixed = (above + below) / 2 - m.bias();
         m.mixed_variance += mixed * mixed / draws;
       });
+      watch_labels([&](double sign) { set_all(sign * to_label_distance); });
     }
-    return true;
   }
 
  private:
-  Eigen::VectorXd offset(std::size_t o) const {
-    return difference(perturbation_.value(outputs()[o]),
-                      system_.node(outputs()[o]).output.estimate.value);
+  Eigen::VectorXd offset(const ProbedOutput& output) const {
+    return output.directions * difference(perturbation_.value(output.node),
+                                          system_.node(output.node).output.estimate.value);
+  }
+  void note_failures(const std::string& move) {
+    for (ProbedOutput& output : outputs_) {
+      if (!output.inside || !perturbation_.failed(output.node)) continue;
+      output.inside = false;
+      output.reason =
+          fmt::format("{} leaves no answer: {}", move, perturbation_.fault(output.node));
+    }
   }
   template <typename SetAmounts>
-  bool move_both_ways(const SetAmounts& set_amounts) {
+  void move_both_ways(const SetAmounts& set_amounts, const std::string& move) {
     set_amounts(1.0);
-    if (!perturbation_.apply(amounts_)) return false;
-    for (std::size_t o = 0; o < above_.size(); ++o) above_[o] = offset(o);
+    perturbation_.apply(amounts_);
+    note_failures(move);
+    for (ProbedOutput& output : outputs_)
+      if (output.inside) output.above = offset(output);
     set_amounts(-1.0);
-    return perturbation_.apply(amounts_);
+    perturbation_.apply(amounts_);
+    note_failures(move);
   }
   template <typename Gather>
-  void for_each_component(const Gather& gather) {
-    for (std::size_t o = 0; o < above_.size(); ++o) {
-      const Eigen::VectorXd below = offset(o);
-      for (std::size_t c = 0; c < moments_[o].size(); ++c)
-        gather(moments_[o][c], above_[o][static_cast<Eigen::Index>(c)],
-               below[static_cast<Eigen::Index>(c)]);
+  void for_each_direction(const Gather& gather) {
+    for (ProbedOutput& output : outputs_) {
+      if (!output.inside) continue;
+      const Eigen::VectorXd below = offset(output);
+      for (std::size_t r = 0; r < output.moments.size(); ++r)
+        gather(output.moments[r], output.above[static_cast<Eigen::Index>(r)],
+               below[static_cast<Eigen::Index>(r)]);
+    }
+  }
+  /// A change of label within reach is a kink, which moments may miss; a fault there is not judged.
+  template <typename SetAmounts>
+  void watch_labels(const SetAmounts& set_amounts) {
+    for (const double sign : {1.0, -1.0}) {
+      set_amounts(sign);
+      perturbation_.apply(amounts_);
+      for (ProbedOutput& output : outputs_)
+        if (output.inside && !perturbation_.failed(output.node))
+          output.changes_label |= perturbation_.changed_label(output.node);
     }
   }
 
   const System& system_;
   Perturbation perturbation_;
   std::vector<double> amounts_;
-  std::vector<std::vector<Moments>> moments_;
-  std::vector<Eigen::VectorXd> above_;
+  std::vector<ProbedOutput> outputs_;
 };
+
+VerdictReport report_of(const ProbedOutput& output, const Estimate& estimate,
+                        const std::map<std::string, double, std::less<>>& sizes) {
+  VerdictReport report;
+  if (!output.inside) {
+    report.verdict = Verdict::invalid;
+    report.reason = output.reason;
+    return report;
+  }
+  const std::size_t components = estimate.dimension();
+  for (std::size_t r = 0; r < output.moments.size(); ++r) {
+    const Moments& moments = output.moments[r];
+    if (r >= components) {  // a principal axis, of unit variance
+      if (judge_direction(moments, 1.0, 0.0) == Verdict::linear_ok) continue;
+      if (report.verdict == Verdict::linear_ok)
+        report.reason = "the components' errors together are not as their covariance says";
+      report.verdict = std::max(report.verdict, Verdict::second_order);
+      continue;
+    }
+    const Verdict verdict = judge_direction(moments, estimate.lineage.variance(r),
+                                            sizes.at(estimate.type->components[r].unit));
+    report.components.push_back(verdict);
+    report.verdict = std::max(report.verdict, verdict);
+    report.bias.push_back(moments.bias());
+    report.extra_variance.push_back(moments.extra_variance());
+  }
+  if (output.changes_label) {
+    report.verdict = std::max(report.verdict, Verdict::second_order);
+    report.reason = "another case is within 2.5 standard deviations";
+  }
+  return report;
+}
 
 }  // namespace
 
@@ -242,24 +369,12 @@ std::string_view verdict_name(Verdict verdict) {
 
 std::vector<VerdictReport> judge(const System& system, const std::vector<std::size_t>& cut) {
   Probe probe(system, cut);
-  std::vector<VerdictReport> reports(probe.outputs().size());
-  if (!probe.move_each() || !probe.move_together()) {
-    for (VerdictReport& report : reports) report.verdict = Verdict::invalid;
-    return reports;
-  }
+  probe.move_each();
+  probe.move_together();
   const auto sizes = probe.sizes();
-  for (std::size_t o = 0; o < reports.size(); ++o) {
-    const Estimate& estimate = system.node(probe.outputs()[o]).output.estimate;
-    for (std::size_t c = 0; c < estimate.dimension(); ++c) {
-      const Moments& moments = probe.moments(o, c);
-      const Verdict verdict = judge_component(moments, estimate.lineage.variance(c),
-                                              sizes.at(estimate.type->components[c].unit));
-      reports[o].components.push_back(verdict);
-      reports[o].verdict = std::max(reports[o].verdict, verdict);
-      reports[o].bias.push_back(moments.bias());
-      reports[o].extra_variance.push_back(moments.extra_variance());
-    }
-  }
+  std::vector<VerdictReport> reports;
+  for (const ProbedOutput& output : probe.outputs())
+    reports.push_back(report_of(output, system.node(output.node).output.estimate, sizes));
   return reports;
 }
 

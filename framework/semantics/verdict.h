@@ -1,6 +1,7 @@
 // The verdict: can the first-order error of an output be believed?
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -19,7 +20,8 @@ std::string_view verdict_name(Verdict verdict);
 
 /// The verdict on one output and what it rests on, per component (SI units).
 struct VerdictReport {
-  Verdict verdict = Verdict::linear_ok;  ///< the worst of the components'
+  Verdict verdict = Verdict::linear_ok;  ///< at least as bad as the components'
+  std::string reason = {};               ///< of a verdict that no component alone explains
   std::vector<Verdict> components;
   std::vector<double> bias;            ///< second-order shift of the mean
   std::vector<double> extra_variance;  ///< second-order variance, beyond the first-order one
@@ -36,8 +38,11 @@ inline constexpr double largest_relative_variance_change = 0.05;
 /// outputs' sensors, estimators and parameters is moved by ±sqrt(3) standard deviations (the points
 /// of third-order Gauss-Hermite quadrature) and the functions behind it are evaluated again, so
 /// that curvature and kinks of the whole chain count, not those of single modules; then all are
-/// moved together with random signs, for what sources only do in company (x y at 0, 0). `cut` names
-/// function nodes whose outputs were given and are to be moved themselves. One report an output.
+/// moved together with random signs, for what sources only do in company (x y at 0, 0). The limits
+/// hold for every component and along every principal axis of the covariance. A label that changes
+/// within 2.5 standard deviations (the wedge's case) makes `second_order`, a fault within the moves
+/// `invalid`. `cut` names function nodes whose outputs were given and are to be moved themselves.
+/// One report an output; an output that is not there is `invalid`.
 std::vector<VerdictReport> judge(const System& system, const std::vector<std::size_t>& cut = {});
 
 }  // namespace ilss

@@ -1,12 +1,12 @@
 // What `ilss run` shows of outputs and verdicts, and how Ctrl-C ends it.
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <optional>
 #include <regex>

@@ -3,26 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <random>
 #include <stdexcept>
 
-// Every allocation of this test program, Eigen's and those of the libraries included, is counted by
-// standing in for malloc; the sanitizers stand there themselves.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool counts_allocations = false;
-constexpr std::size_t allocation_count = 0;
-#else
-constexpr bool counts_allocations = true;
-static std::atomic<std::size_t> allocation_count = 0;
-extern "C" void* __libc_malloc(std::size_t size);  // NOLINT(bugprone-reserved-identifier)
-extern "C" void* malloc(std::size_t size) noexcept {
-  ++allocation_count;
-  return __libc_malloc(size);
-}
-#endif
+#include "tests/allocation_count.h"
 
 namespace ilss {
 namespace {
@@ -356,7 +342,7 @@ TEST(Lineage, DoesNotAllocateInSteadyState) {
 }
 
 TEST(AllocationCount, Counts) {
-  if (!counts_allocations) GTEST_SKIP() << "under a sanitizer";
+  SKIP_UNLESS_ALLOCATIONS_ARE_COUNTED();
   std::size_t before = allocation_count;
   const std::vector<int> some(100);
   EXPECT_GT(allocation_count, before) << some.size();
