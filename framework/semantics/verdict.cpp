@@ -230,9 +230,12 @@ class Probe {
   void move_each() {
     const double step = std::sqrt(3.0);
     for (std::size_t k = 0; k < amounts_.size(); ++k) {
-      const std::string& owner = system_.plan().owners[perturbation_.sources()[k].owner].name;
+      // Given outputs may bring sources of owners that the plan does not list.
+      const SourceOwners& owners = system_.plan().owners;
+      const std::uint32_t owner = perturbation_.sources()[k].owner;
+      const std::string name = owner < owners.size() ? owners[owner].name : "a given source";
       move_both_ways([&](double sign) { amounts_[k] = sign * step; },
-                     fmt::format("an error of {} of 1.7 standard deviations", owner));
+                     fmt::format("an error of {} of 1.7 standard deviations", name));
       for_each_direction([&](Moments& m, double above, double below) {
         const double second = (above + below) / (step * step);
         const double secant = (above - below) / (2 * step);
