@@ -99,7 +99,8 @@ std::string node_text(const Plan& plan, std::size_t i) {
 void write_cluster(const Plan& plan, const Cluster& cluster, const std::string& path, int depth,
                    std::string& out) {
   const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
-  for (const std::size_t node : cluster.nodes) out += fmt::format("{}{}\n", indent, node_text(plan, node));
+  for (const std::size_t node : cluster.nodes)
+    out += fmt::format("{}{}\n", indent, node_text(plan, node));
   for (const auto& [name, inner] : cluster.systems) {
     const std::string inner_path = fmt::format("{}.{}", path, name);
     out += fmt::format("{}subgraph {} {{\n{}  label={};\n", indent,
