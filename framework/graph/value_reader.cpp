@@ -93,6 +93,17 @@ std::optional<std::vector<WrittenQuantity>> read_components(const Node& map,
   return written;
 }
 
+/// Beside a component that has a std, one without would count as exact by oversight.
+void check_all_have_std(const std::vector<WrittenQuantity>& written,
+                        const PayloadDescriptor& payload, Diagnostics& diagnostics) {
+  for (std::size_t i = 0; i < written.size(); ++i)
+    if (!written[i].standard_deviation && !std::isnan(written[i].number))
+      diagnostics.add(written[i].position,
+                      fmt::format("'{}' has no std beside components that have one; give it, 0 if "
+                                  "exact",
+                                  payload.components[i].name));
+}
+
 void check_one_form(const Node& map, Diagnostics& diagnostics) {
   for (const Node& key : map.keys)
     if (key.text != "value" && key.text != "covariance")
@@ -278,12 +289,7 @@ std::optional<GivenEstimate> read_estimate(const Node& node, const PayloadDescri
     given.estimate.lineage.add({owner, 0, 0}, i, si->scale * *standard_deviation);
   }
   if (given.has_error && left_out == LeftOut::stay_unknown)
-    for (std::size_t i = 0; i < written->size(); ++i)
-      if (!(*written)[i].standard_deviation && !std::isnan((*written)[i].number))
-        diagnostics.add((*written)[i].position,
-                        fmt::format("'{}' has no std beside components that have one; give it, "
-                                    "0 if exact",
-                                    payload.components[i].name));
+    check_all_have_std(*written, payload, diagnostics);
   if (covariance_node != nullptr) {
     given.has_error = true;
     const auto covariance = read_covariance(*covariance_node, written->size(), diagnostics);
