@@ -104,6 +104,18 @@ void check_all_have_std(const std::vector<WrittenQuantity>& written,
                                   payload.components[i].name));
 }
 
+/// A zero without a unit gives its variance none.
+void check_variance_units(const std::vector<WrittenQuantity>& written,
+                          const PayloadDescriptor& payload, const Eigen::MatrixXd& covariance,
+                          Diagnostics& diagnostics) {
+  for (std::size_t i = 0; i < written.size(); ++i)
+    if (written[i].unit.empty() && payload.components[i].unit != "1" &&
+        covariance.row(static_cast<Eigen::Index>(i)).cwiseAbs().maxCoeff() > 0)
+      diagnostics.add(written[i].position,
+                      fmt::format("'0' has no unit, and so its variance has none; expected {}",
+                                  dimension_name(payload.components[i].unit)));
+}
+
 void check_one_form(const Node& map, Diagnostics& diagnostics) {
   for (const Node& key : map.keys)
     if (key.text != "value" && key.text != "covariance")
@@ -298,12 +310,7 @@ std::optional<GivenEstimate> read_estimate(const Node& node, const PayloadDescri
       const Eigen::MatrixXd si = scale.asDiagonal() * *covariance * scale.asDiagonal();
       if (!si.allFinite())
         diagnostics.add(covariance_node->position, "the covariance is too large");
-      for (std::size_t i = 0; i < written->size(); ++i)
-        if ((*written)[i].unit.empty() && payload.components[i].unit != "1" &&
-            si.row(static_cast<Eigen::Index>(i)).cwiseAbs().maxCoeff() > 0)
-          diagnostics.add((*written)[i].position,
-                          fmt::format("'0' has no unit, and so its variance has none; expected {}",
-                                      dimension_name(payload.components[i].unit)));
+      check_variance_units(*written, payload, si, diagnostics);
       if (diagnostics.size() != errors) return std::nullopt;
       owners.push_back({name, false});
       given.estimate.lineage.add_noise({owner, 0, 0}, si);
