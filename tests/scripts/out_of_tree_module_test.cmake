@@ -20,7 +20,7 @@ file(REMOVE_RECURSE ${WORK_DIR})
 run(_ ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/staged)
 file(RENAME ${WORK_DIR}/staged ${WORK_DIR}/prefix)
 
-run(_ ${CMAKE_COMMAND} -S ${SOURCE_DIR}/docs/examples/sound_speed -B ${WORK_DIR}/build
+run(_ ${CMAKE_COMMAND} -G Ninja -S ${SOURCE_DIR}/docs/examples/sound_speed -B ${WORK_DIR}/build
       -D CMAKE_BUILD_TYPE=Release -D CMAKE_PREFIX_PATH=${WORK_DIR}/prefix
       "-D CMAKE_CXX_FLAGS=-Wall -Wextra -Wconversion -Wshadow -Werror")
 run(_ ${CMAKE_COMMAND} --build ${WORK_DIR}/build)
