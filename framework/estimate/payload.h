@@ -51,6 +51,17 @@ struct PayloadDescriptor {
   }
 };
 
+/// Stands where a module takes, or passes on, any numeric payload: which one is known once the
+/// module is connected.
+const PayloadDescriptor& any_payload();
+
+/// Whether two payloads of one name are one: the same components, units and labels.
+bool same_payload(const PayloadDescriptor& a, const PayloadDescriptor& b);
+
+/// The descriptor to use for a payload that is made at run time, such as one that a graph defines:
+/// equal ones are one object, which lives as long as the program. Thread-safe.
+const PayloadDescriptor& intern_payload(PayloadDescriptor payload);
+
 /// The descriptor of a struct payload, made from its `name` and `fields` (and `labels`).
 template <template <typename> class Payload>
 requires NumericPayload<Payload>

@@ -3,8 +3,11 @@
 
 #include <compare>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
+
+#include "framework/estimate/distribution.h"
 
 namespace ilss {
 
@@ -26,6 +29,9 @@ struct Source {
 struct SourceOwner {
   std::string name;
   bool persistent = false;
+  Distribution distribution = {};  ///< of each of its sources
+  /// Of the standard deviation, where that was itself estimated; infinite where it is known.
+  double degrees_of_freedom = std::numeric_limits<double>::infinity();
 };
 
 /// Every owner of a plan; a Source's `owner` is an index into it.

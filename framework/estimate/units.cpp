@@ -168,6 +168,27 @@ std::variant<UnitConversion, std::string> unit_conversion(std::string_view unit,
   return known.emplace(key, find_conversion(unit, si_unit)).first->second;
 }
 
+std::optional<std::string> si_unit(std::string_view unit) {
+  if (unit.empty() || unit == "1") return "1";
+  const UnitSystem& system = unit_system();
+  const UnitPointer parsed =
+      system.available() && is_unit_text(unit) ? system.parse(unit) : nullptr;
+  if (!parsed) return std::nullopt;
+  // Its definition in base units, without the factor before and the origin behind: "0.017 rad",
+  // "K @ 273.15". A unit such as the decibel has another form and does not convert.
+  char buffer[512];
+  const int length = ut_format(parsed.get(), buffer, sizeof buffer, UT_ASCII | UT_DEFINITION);
+  if (length <= 0 || length >= static_cast<int>(sizeof buffer)) return std::nullopt;
+  std::string_view text(buffer, static_cast<std::size_t>(length));
+  text = text.substr(0, text.find(" @ "));
+  if (const std::size_t space = text.rfind(' '); space != std::string_view::npos)
+    text.remove_prefix(space + 1);
+  std::string result(text);
+  if (!result.empty() && (is_digit(result.front()) || result.front() == '-')) result = "1";
+  if (!std::holds_alternative<UnitConversion>(unit_conversion(unit, result))) return std::nullopt;
+  return result;
+}
+
 std::variant<QuantityText, std::string> split_quantity(std::string_view text) {
   text = trim(text);
   QuantityText result{};

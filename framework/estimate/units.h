@@ -1,6 +1,7 @@
 // Quantities with units, read by UDUNITS-2; angle counts as a dimension of its own.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -17,6 +18,10 @@ struct UnitConversion {
 /// ("deg" is an angle, where a length (m) is expected). Thread-safe; remembers what it has read.
 std::variant<UnitConversion, std::string> unit_conversion(std::string_view unit,
                                                           std::string_view si_unit);
+
+/// The SI unit of the same dimension: "m" of "nm", "rad" of "deg", "m.s-1" of "km/h", "1" of none;
+/// nothing where the unit is unknown or none that a number can be converted to (decibels).
+std::optional<std::string> si_unit(std::string_view unit);
 
 /// A number followed by a unit, or a bare number: "11 deg", "-3.5e-2 m/s", "0.5".
 struct QuantityText {

@@ -48,12 +48,18 @@ void Constants::read_one(const std::string& name, const Node& value, const std::
     return read_vector(name, value, prefix, owners, diagnostics);
   const auto quantity = read_quantity(value, diagnostics);
   if (!quantity) return;
-  ConstantElement element{*quantity};
-  if (quantity->standard_deviation) {
+  keep(name, *quantity, prefix, owners);
+}
+
+void Constants::keep(const std::string& name, WrittenQuantity quantity, const std::string& prefix,
+                     SourceOwners& owners) {
+  ConstantElement element;
+  if (quantity.standard_deviation) {
     element.owner = static_cast<std::uint32_t>(owners.size());
-    element.factor = {*quantity->standard_deviation};
-    owners.push_back({prefix + name, true});
+    element.factor = {*quantity.standard_deviation};
+    owners.push_back({prefix + name, true, quantity.distribution, quantity.degrees_of_freedom});
   }
+  element.quantity = std::move(quantity);
   elements_[name] = std::move(element);
 }
 
@@ -102,15 +108,15 @@ void Constants::read_vector(const std::string& name, const Node& map, const std:
         diagnostics.add(element.quantity.position, "give either a std or a covariance, not both");
   }
   if (diagnostics.size() != errors) return;
-  Lineage lineage(values.size());
-  if (covariance) {
-    lineage.add_noise({0, 0, persistent_tick}, *covariance);
-  } else {
-    for (std::size_t i = 0; i < elements.size(); ++i)
-      if (elements[i].quantity.standard_deviation)
-        lineage.add({0, static_cast<std::uint32_t>(i), persistent_tick}, i,
-                    *elements[i].quantity.standard_deviation);
+  if (!covariance) {  // errors of their own, each to be blamed by itself
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      const std::string full_name = name + "." + values.keys[i].text;
+      keep(full_name, std::move(elements[i].quantity), prefix, owners);
+    }
+    return;
   }
+  Lineage lineage(values.size());
+  lineage.add_noise({0, 0, persistent_tick}, *covariance);
   const auto owner = static_cast<std::uint32_t>(owners.size());
   if (!lineage.empty()) owners.push_back({prefix + name, true});
   for (std::size_t i = 0; i < elements.size(); ++i) {

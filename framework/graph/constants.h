@@ -38,6 +38,9 @@ class Constants {
              Diagnostics& diagnostics);
   void read_one(const std::string& name, const Node& value, const std::string& prefix,
                 SourceOwners& owners, Diagnostics& diagnostics);
+  /// Makes a value a constant, with a source of its own where it has an error.
+  void keep(const std::string& name, WrittenQuantity quantity, const std::string& prefix,
+            SourceOwners& owners);
   void read_vector(const std::string& name, const Node& map, const std::string& prefix,
                    SourceOwners& owners, Diagnostics& diagnostics);
 

@@ -32,7 +32,19 @@ struct PlanNode {
   std::vector<PlanInput> inputs = {};
   std::string frame = {};  ///< of the output
   std::optional<ModuleTime> time = {};
+  /// Some two of its inputs, or ticks of one input, are correlated in a way that is not known.
+  bool correlation_unknown = false;
   Position position = {};
+};
+
+/// Where estimates meet whose correlation no lineage tells: two nodes that each keep random errors
+/// of earlier ticks from a common origin (two filters fed by one sensor), or one that does (`first`
+/// and `second` alike) and feeds another that treats its ticks as independent.
+struct UnknownCorrelation {
+  std::size_t at = 0;     ///< the node where they meet
+  std::size_t first = 0;  ///< the nodes that keep earlier errors
+  std::size_t second = 0;
+  std::size_t origin = 0;  ///< a node whose errors both have
 };
 
 /// Nodes in evaluation order: a node's inputs come before it.
@@ -42,6 +54,7 @@ struct Plan {
   std::vector<PlanNode> nodes;
   std::vector<std::size_t> outputs;  ///< nodes whose outputs are the system's, in order
   SourceOwners owners;               ///< the nodes first, then constants and parameters
+  std::vector<UnknownCorrelation> unknown_correlations;
 
   std::optional<std::size_t> find(std::string_view node) const {
     for (std::size_t i = 0; i < nodes.size(); ++i)

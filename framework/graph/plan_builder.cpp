@@ -7,6 +7,7 @@
 
 #include "framework/estimate/units.h"
 #include "framework/graph/constants.h"
+#include "framework/graph/correlation.h"
 #include "framework/graph/plan.h"
 #include "framework/graph/profile.h"
 #include "framework/graph/wiring.h"
@@ -85,6 +86,20 @@ const Node* find_parameter(const Node& module, std::string_view name, Diagnostic
   }
 }
 
+const PayloadDescriptor& parameters_of(const PlanNode& node) {
+  return node.settings.quantities != nullptr ? *node.settings.quantities : *node.type->parameters;
+}
+
+/// Whose constants the `$names` in a parameter's value mean: those of the graph that overrides it,
+/// or of the graph that the module stands in.
+const Constants* constants_of(std::string_view parameter, const Constants& own,
+                              const std::map<std::string, const Constants*>& of_overrides) {
+  const Constants* names = &own;
+  for (const auto& [path, theirs] : of_overrides)
+    if (theirs != nullptr && is_at_or_below(parameter, path)) names = theirs;
+  return names;
+}
+
 class PlanBuilder {
  public:
   PlanBuilder(const Registry& registry, Diagnostics& diagnostics)
@@ -121,6 +136,9 @@ class PlanBuilder {
   Instance read_system_file(const Node& key, const Node& file, const std::filesystem::path& path,
                             const std::string& prefix,
                             const std::vector<PlacedOverride>& overrides);
+  const PayloadDescriptor* declare_quantities(
+      const Node& module, const Constants& constants,
+      const std::map<std::string, const Constants*>& override_constants);
   void read_parameters(const Node& module, const Constants& constants,
                        const std::map<std::string, const Constants*>& override_constants,
                        PlanNode& node);
@@ -309,6 +327,8 @@ Instance PlanBuilder::read_module(const Node& key, Node module, const std::strin
   }
   module.position = key.position;
   check_keys(module, type->declarations, type->name, diagnostics_);
+  if (type->takes_quantities)
+    node.settings.quantities = declare_quantities(module, constants, override_constants);
   try {
     if (type->read_options)
       node.settings.options = type->read_options(&module, directory, diagnostics_, key.position);
@@ -380,10 +400,35 @@ Instance PlanBuilder::read_system_file(const Node& key, const Node& file,
   return instance;
 }
 
+const PayloadDescriptor* PlanBuilder::declare_quantities(
+    const Node& module, const Constants& constants,
+    const std::map<std::string, const Constants*>& override_constants) {
+  PayloadDescriptor quantities{"quantities", "Named values of a graph.", {}};
+  const Node* map = module.find("quantities");
+  if (map != nullptr && !map->is_map() && !map->is_null())
+    diagnostics_.add(map->position, "expected a map of names to values, got " + map->description());
+  // What is wrong with a value is said where it is read as a parameter.
+  Diagnostics said_later;
+  for (std::size_t i = 0; map != nullptr && i < map->keys.size(); ++i) {
+    const Node& value = map->values[i];
+    const std::string name = "quantities." + map->keys[i].text;
+    const Constants* names = constants_of(name, constants, override_constants);
+    std::string unit = "1";
+    if (value.is_scalar() && value.text.starts_with('$')) {
+      if (const ConstantElement* constant = names->find(value.text.substr(1)))
+        unit = constant->quantity.unit;
+    } else if (const auto quantity = read_quantity(value, said_later)) {
+      unit = quantity->unit;
+    }
+    quantities.components.push_back({name, si_unit(unit).value_or("1"), "", {}, false});
+  }
+  return &intern_payload(std::move(quantities));
+}
+
 void PlanBuilder::read_parameters(const Node& module, const Constants& constants,
                                   const std::map<std::string, const Constants*>& override_constants,
                                   PlanNode& node) {
-  const PayloadDescriptor& parameters = *node.type->parameters;
+  const PayloadDescriptor& parameters = parameters_of(node);
   node.parameters = Estimate(parameters);
   for (std::size_t i = 0; i < parameters.dimension(); ++i) {
     const Component& component = parameters.components[i];
@@ -395,16 +440,13 @@ void PlanBuilder::read_parameters(const Node& module, const Constants& constants
                                      node.type->name, dimension_name(component.unit)));
       continue;
     }
-    const Constants* names = &constants;
-    for (const auto& [path, theirs] : override_constants)
-      if (theirs != nullptr && is_at_or_below(component.name, path)) names = theirs;
-    read_parameter(*value, i, *names, node);
+    read_parameter(*value, i, *constants_of(component.name, constants, override_constants), node);
   }
 }
 
 void PlanBuilder::read_parameter(const Node& value, std::size_t component,
                                  const Constants& constants, PlanNode& node) {
-  const Component& declared = node.type->parameters->components[component];
+  const Component& declared = parameters_of(node).components[component];
   const auto store = [&](const WrittenQuantity& quantity) -> std::optional<SiQuantity> {
     const auto si = to_si(quantity, declared.unit, diagnostics_);
     if (si)
@@ -433,7 +475,8 @@ void PlanBuilder::read_parameter(const Node& value, std::size_t component,
   const auto si = store(*quantity);
   if (!si || !quantity->standard_deviation || *quantity->standard_deviation == 0) return;
   const auto owner = static_cast<std::uint32_t>(owners_.size());
-  owners_.push_back({node.name + "." + declared.name, true});
+  owners_.push_back({node.name + "." + declared.name, true, quantity->distribution,
+                     quantity->degrees_of_freedom});
   node.parameters.lineage.add({owner, 0, persistent_tick}, component,
                               si->scale * *quantity->standard_deviation);
 }
@@ -461,6 +504,9 @@ std::optional<Plan> PlanBuilder::finish(const Node& graph, const std::vector<std
   }
   plan.owners.insert(plan.owners.end(), owners_.begin(), owners_.end());
   for (const std::size_t output : outputs) plan.outputs.push_back(place[output]);
+  plan.unknown_correlations = find_unknown_correlations(plan);
+  for (const UnknownCorrelation& unknown : plan.unknown_correlations)
+    plan.nodes[unknown.at].correlation_unknown = true;
   return plan;
 }
 

@@ -43,14 +43,24 @@ Json any_quantity() {
        {{"type", "number"}}});
 }
 
-Json with_error(const Json& value, const Json& standard_deviation) {
-  return map_of({{"value", value}, {"std", standard_deviation}}, {"value"});
+/// `{value, std}` and what else may be said of an error.
+Json with_error(const Json& quantity) {
+  const Json samples = map_of({{"samples", {{"type", "string"}}},
+                               {"column", {{"type", Json::array({"string", "integer"})}}}},
+                              {"samples"});
+  const Json shape = {{"enum", Json::array({"normal", "uniform", "triangular", "arcsine", "t"})}};
+  return map_of({{"value", quantity},
+                 {"std", quantity},
+                 {"half_width", quantity},
+                 {"distribution", one_of_these({shape, samples})},
+                 {"degrees_of_freedom", {{"type", "number"}, {"exclusiveMinimum", 0}}}},
+                {"value"});
 }
 
 /// A parameter's quantity: `11 deg`, `{value, std}` or `$constant`.
 Json uncertain_quantity(const std::string& unit) {
   return one_of_these({bare_quantity(unit),
-                       with_error(bare_quantity(unit), bare_quantity(unit)),
+                       with_error(bare_quantity(unit)),
                        {{"type", "string"}, {"pattern", R"(^\$.+$)"}}});
 }
 
@@ -86,6 +96,10 @@ Json schema_without_words(const ParameterDeclaration& d) {
   using Kind = ParameterDeclaration::Kind;
   switch (d.kind) {
     case Kind::quantity:
+      if (d.unit.empty())
+        return one_of_these({any_quantity(),
+                             with_error(any_quantity()),
+                             {{"type", "string"}, {"pattern", R"(^\$.+$)"}}});
       return d.uncertain ? uncertain_quantity(d.unit) : bare_quantity(d.unit);
     case Kind::number:
       return bare_quantity("1");
@@ -102,6 +116,8 @@ Json schema_without_words(const ParameterDeclaration& d) {
       return {{"type", "array"}, {"items", schema_of(d.children.front())}};
     case Kind::group:
       return schema_of(d.children, Json::object(), {});
+    case Kind::map:
+      return {{"type", "object"}, {"additionalProperties", schema_of(d.children.front())}};
   }
   return true;
 }
@@ -167,7 +183,7 @@ Json expression_schema() {
 
 Json constant_schema() {
   const Json quantity = any_quantity();
-  const Json one = with_error(quantity, quantity);
+  const Json one = with_error(quantity);
   const Json row = {{"type", "array"}, {"items", any_quantity()}};
   const Json vector = map_of({{"value",
                                {{"type", "object"},

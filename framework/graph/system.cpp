@@ -44,7 +44,7 @@ Outcome<> guarded(const Call& call) {
 }
 
 /// Whether a sensor or estimator kept its contract: as many numbers as its payload says, and finite
-/// ones with finite errors. Functions are checked where they are made.
+/// ones with finite errors. Closed formulas are checked where they are made.
 [[gnu::noinline]] bool keeps_contract(const Estimate& estimate, std::size_t dimension,
                                       std::size_t labels) {
   if (estimate.value.size() != dimension || estimate.lineage.dimension() != dimension ||
@@ -69,7 +69,7 @@ System::System(const Plan& plan, std::uint64_t seed, Folding folding)
     state.seed_ = derive_seed(seed, node.name);
     state.dimension_ = static_cast<std::uint32_t>(node.interface.output->dimension());
     state.label_count_ = static_cast<std::uint32_t>(node.interface.output->labels.size());
-    state.is_function_ = node.type->kind == ModuleKind::function;
+    state.is_checked_ = node.type->checked;
     for (const PlanInput& input : node.inputs) {
       const NodeState& producer = nodes_[input.node];
       state.feeds_.push_back({&producer, input.max_age.value_or(INFINITY)});
@@ -91,7 +91,8 @@ void System::begin_tick(double time) {
           .seed = mix(state.seed_ ^ tick_seed_),
           .owner = static_cast<std::uint32_t>(i),
           .parameters = plan_->nodes[i].parameters,
-          .inputs = state.inputs_};
+          .inputs = state.inputs_,
+          .correlation_unknown = plan_->nodes[i].correlation_unknown};
 }
 
 void System::evaluate(double time) {
@@ -182,7 +183,7 @@ template <typename Call>
   }
   if (state.outcome.has_output()) {
     const Estimate& estimate = state.output.estimate;
-    if (!state.is_function_ && !keeps_contract(estimate, state.dimension_, state.label_count_))
+    if (!state.is_checked_ && !keeps_contract(estimate, state.dimension_, state.label_count_))
       return reject_output(i);
     state.fresh = true;
     state.has_value = true;
@@ -303,7 +304,8 @@ Outcome<> System::try_function(std::size_t node, const Estimate& parameters,
                     .seed = 0,
                     .owner = static_cast<std::uint32_t>(node),
                     .parameters = parameters,
-                    .inputs = inputs};
+                    .inputs = inputs,
+                    .correlation_unknown = plan_->nodes[node].correlation_unknown};
   return guarded([&] { return nodes_[node].module->evaluate(values, output); });
 }
 

@@ -16,10 +16,14 @@ struct WrittenQuantity {
   std::string unit = {};
   std::optional<double> standard_deviation = {};
   Position position = {};
+  Distribution distribution = {};
+  double degrees_of_freedom = std::numeric_limits<double>::infinity();
 };
 
 /// Reads `11 deg` or `{value: 11 deg, std: 0.3 deg}`. A std without a unit is refused unless the
-/// value has none either.
+/// value has none either. The error may have a `distribution` (normal, uniform, triangular,
+/// arcsine, t, or `{samples: FILE, column: NAME}`, a CSV file, relative to where the value stands),
+/// a `half_width` instead of the std where the law is bounded, and `degrees_of_freedom`.
 std::optional<WrittenQuantity> read_quantity(const Node& node, Diagnostics& diagnostics);
 
 /// Its value and the scale of its errors in an SI unit; a wrong dimension goes to `diagnostics`.

@@ -177,6 +177,7 @@ void Wiring::check_connections(const std::vector<std::size_t>& order) {
                                    node.type->name, repeated ? "at least " : "", declared.size(),
                                    declared.size() == 1 ? "" : "s", given, fmt::join(names, ", ")));
     }
+    if (node.type != nullptr && node.type->resolve && connection.counted) resolve(index);
     for (std::size_t i = 0; connection.counted && i < given && !declared.empty(); ++i)
       if ((repeated || i < declared.size()) && node.inputs[i].node != unknown_node)
         check_input(index, i);
@@ -186,6 +187,45 @@ void Wiring::check_connections(const std::vector<std::size_t>& order) {
         node.inputs[*from].node != unknown_node)
       node.frame = nodes_[node.inputs[*from].node].frame;
   }
+  check_payload_names(order);
+}
+
+void Wiring::check_payload_names(const std::vector<std::size_t>& order) {
+  std::map<std::string_view, std::size_t> giver;
+  for (const std::size_t index : order) {
+    const PlanNode& node = nodes_[index];
+    if (node.interface.output == nullptr) continue;
+    const auto [first, fresh] = giver.emplace(node.interface.output->name, index);
+    const PlanNode& other = nodes_[first->second];
+    if (fresh || same_payload(*other.interface.output, *node.interface.output)) continue;
+    diagnostics_.add(node.position,
+                     fmt::format("'{}' gives a payload '{}' of other components than '{}' does; "
+                                 "payloads are told apart by name",
+                                 node.name, node.interface.output->name, other.name));
+  }
+}
+
+void Wiring::resolve(std::size_t index) {
+  PlanNode& node = nodes_[index];
+  Connections connections{{}, connections_[index].position, &diagnostics_};
+  if (connections.position.line == 0) connections.position = node.position;
+  for (const PlanInput& input : node.inputs) {
+    if (input.node == unknown_node) return;
+    // One that is not known had its own complaint.
+    const PayloadDescriptor* payload = nodes_[input.node].interface.output;
+    if (payload == &any_payload()) return;
+    connections.inputs.push_back(payload);
+  }
+  const std::vector<InputDeclaration>& declared = node.interface.inputs;
+  const bool repeated = !declared.empty() && declared.back().repeated;
+  if (repeated ? node.inputs.size() < declared.size() : node.inputs.size() != declared.size())
+    return;
+  try {
+    node.type->resolve(connections, node.settings, node.interface);
+  } catch (const std::exception& error) {
+    diagnostics_.add(node.position, fmt::format("module type '{}' is defective: {}",
+                                                node.type->name, error.what()));
+  }
 }
 
 void Wiring::check_input(std::size_t index, std::size_t i) {
@@ -194,7 +234,8 @@ void Wiring::check_input(std::size_t index, std::size_t i) {
   const std::vector<InputDeclaration>& declared = node.interface.inputs;
   const InputDeclaration& input = declared[std::min(i, declared.size() - 1)];
   const PlanNode& producer = nodes_[node.inputs[i].node];
-  if (producer.interface.output->name != input.payload->name)
+  const bool any = input.payload == &any_payload() || producer.interface.output == &any_payload();
+  if (!any && producer.interface.output->name != input.payload->name)
     return diagnostics_.add(position, fmt::format("'{}' gives {}, but input '{}' of '{}' takes {}",
                                                   producer.name, producer.interface.output->name,
                                                   input.name, node.name, input.payload->name));

@@ -41,7 +41,8 @@ class Wiring {
   /// All nodes, each after those that feed it; reports every cycle.
   std::vector<std::size_t> evaluation_order();
 
-  /// Checks number, payload and frame of each node's inputs, and sets the nodes' frames.
+  /// Checks number, payload and frame of each node's inputs, completes what takes any payload, and
+  /// sets the nodes' frames.
   void check_connections(const std::vector<std::size_t>& order);
 
  private:
@@ -64,6 +65,8 @@ class Wiring {
   void connect(std::size_t node, const Expression& expression, const Flow& feed);
   void check_used(const Expression& network, const Scope& scope);
   void report_cycles(const std::vector<std::size_t>& waiting_for);
+  void resolve(std::size_t index);
+  void check_payload_names(const std::vector<std::size_t>& order);
   void check_input(std::size_t index, std::size_t i);
 
   std::vector<PlanNode>& nodes_;

@@ -65,7 +65,7 @@ class FunctionModule final : public Module {
 
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override {
     bool any_error = false;
-    bool unknown = false;
+    bool unknown = evaluation.correlation_unknown;
     for (std::size_t i = 0; i < input_count; ++i) {
       any_error |= !evaluation.input(i).lineage.empty();
       unknown |= evaluation.input(i).correlation_unknown;
@@ -240,6 +240,7 @@ ModuleType function_type() {
   ModuleType type;
   internal::fill_declarations<F>(type);
   type.kind = ModuleKind::function;
+  type.checked = true;
   type.interface = []([[maybe_unused]] const Settings& settings) {
     Interface interface;
     const auto payloads = Signature::descriptors();

@@ -23,6 +23,7 @@ struct Evaluation {
   std::uint32_t owner = 0;                ///< owner of the sources this module makes
   const Estimate& parameters;             ///< the module's quantities, in declared order
   std::span<const Output* const> inputs;  ///< in declared order; never null
+  bool correlation_unknown = false;       ///< of some two inputs, whatever their lineages say
 
   /// A source of this module at this tick.
   Source fresh(std::uint32_t column) const { return {owner, column, tick}; }

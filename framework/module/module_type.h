@@ -17,7 +17,7 @@ namespace ilss {
 enum class ModuleKind { sensor, function, estimator };
 std::string_view kind_name(ModuleKind kind);
 
-/// One input: its payload by name, and the frame it must be in (empty: any).
+/// One input: its payload by name (or `any_payload`), and the frame it must be in (empty: any).
 struct InputDeclaration {
   std::string name;
   const PayloadDescriptor* payload;
@@ -31,6 +31,7 @@ struct Interface {
   const PayloadDescriptor* output = nullptr;
   std::string frame = {};
   std::optional<std::size_t> frame_of_input = {};
+  bool draws_readings = false;  ///< a simulated sensor: its noise follows from the tick's seed
 };
 
 /// A command that a module follows: its name and its one value, declared like a parameter.
@@ -44,6 +45,17 @@ struct CommandDeclaration {
 struct Settings {
   std::shared_ptr<const void> options;  ///< the type's Options; null where it has none
   std::filesystem::path directory;
+  /// The values that the graph gives under `quantities:`, where the type takes any; then these are
+  /// the module's parameters.
+  const PayloadDescriptor* quantities = nullptr;
+};
+
+/// What is known of a module once it is connected: what its inputs bring. Faults in how the graph
+/// uses it are reported at `position`, or where they are.
+struct Connections {
+  std::vector<const PayloadDescriptor*> inputs;
+  Position position;
+  Diagnostics* diagnostics;
 };
 
 /// Everything the framework knows of a type of module.
@@ -57,6 +69,14 @@ struct ModuleType {
   std::vector<ParameterDeclaration> declarations;  ///< quantities and options; set by the registry
   std::vector<FaultKind> faults;
   std::vector<CommandDeclaration> commands;
+  bool takes_quantities = false;  ///< any named values of the graph, under `quantities:`
+  /// Its output holds random errors of earlier ticks, joined in a block of its own: how that block
+  /// goes with another of the same origin is not known.
+  bool remembers = false;
+  /// It accounts for inputs of unknown correlation (Evaluation::correlation_unknown).
+  bool bounds_correlation = false;
+  /// Its outputs are checked where they are made: finite, with as many numbers as its payload has.
+  bool checked = false;
 
   /// The interface under given settings; with default settings for documentation.
   std::function<Interface(const Settings&)> interface;
@@ -64,6 +84,9 @@ struct ModuleType {
                                             Diagnostics&, Position fallback)>
       read_options;
   std::function<std::unique_ptr<Module>(const Settings&)> create;
+  /// Completes the interface and settings of a module that takes `any_payload`, once what feeds it
+  /// is known. Null where there is nothing to complete.
+  std::function<void(const Connections&, Settings&, Interface&)> resolve;
 };
 
 /// A payload without components, for modules without quantities.
@@ -89,6 +112,10 @@ void fill_declarations(ModuleType& type) {
   if constexpr (requires { M::reference; }) type.reference = M::reference;
   if constexpr (requires { M::faults; }) type.faults.assign(M::faults.begin(), M::faults.end());
   if constexpr (requires { M::commands(); }) type.commands = M::commands();
+  if constexpr (requires { M::remembers; }) type.remembers = M::remembers;
+  if constexpr (requires { M::bounds_correlation; })
+    type.bounds_correlation = M::bounds_correlation;
+  if constexpr (requires { &M::resolve; }) type.resolve = &M::resolve;
   if constexpr (HasParameters<M>)
     type.parameters = &descriptor<M::template Parameters>();
   else
@@ -112,10 +139,11 @@ typename M::Options options_of(const Settings& settings) {
 
 }  // namespace internal
 
-/// The type of a sensor or estimator: a class M derived from Module with static `name`,
-/// `description`, `kind` and `Interface interface()` (or `interface(const Options&)`), optionally
-/// `reference`, `faults`, `commands()`, `template <typename T> struct Parameters` and
-/// `struct Options`; constructed from its Options where it has them.
+/// The type of a sensor, an estimator, or a function of any payload: a class M derived from Module
+/// with static `name`, `description`, `kind` and `Interface interface()` (or `interface(const
+/// Options&)`), optionally `reference`, `faults`, `commands()`, `remembers`, `bounds_correlation`,
+/// `resolve(const Connections&, Settings&, Interface&)`, `template <typename T> struct Parameters`
+/// and `struct Options`; constructed from its Options where it has them.
 template <typename M>
 requires std::derived_from<M, Module> ModuleType module_type() {
   ModuleType type;

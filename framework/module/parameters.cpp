@@ -24,6 +24,9 @@ void check_value_keys(const Node& value, const ParameterDeclaration& declaration
   if (declaration.kind == Kind::list && value.is_list())
     for (const Node& element : value.values)
       check_value_keys(element, declaration.children.front(), owner, diagnostics);
+  if (declaration.kind == Kind::map && value.is_map())
+    for (const Node& element : value.values)
+      check_value_keys(element, declaration.children.front(), owner, diagnostics);
 }
 
 }  // namespace
@@ -53,6 +56,8 @@ std::string_view kind_name(ParameterDeclaration::Kind kind) {
       return "list";
     case Kind::group:
       return "group";
+    case Kind::map:
+      return "map";
   }
   return "";
 }

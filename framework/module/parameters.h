@@ -21,7 +21,18 @@ namespace ilss {
 
 /// One parameter as users see it.
 struct ParameterDeclaration {
-  enum class Kind { quantity, number, integer, boolean, text, path, choice, list, group };
+  enum class Kind {
+    quantity,
+    number,
+    integer,
+    boolean,
+    text,
+    path,
+    choice,
+    list,
+    group,
+    map,  ///< names of the user's own, each with a value as the one child declares
+  };
 
   std::string name;
   Kind kind = Kind::text;
@@ -31,7 +42,7 @@ struct ParameterDeclaration {
   bool required = false;
   bool uncertain = false;  ///< may be {value, std}
   std::vector<std::string> choices = {};
-  std::vector<ParameterDeclaration> children = {};  ///< of a group; a list's one entry: its element
+  std::vector<ParameterDeclaration> children = {};  ///< of a group; of a list or map: its element
 };
 
 /// The kind's name: "quantity".

@@ -7,6 +7,22 @@
 
 namespace ilss {
 
+namespace {
+
+ParameterDeclaration any_quantities() {
+  ParameterDeclaration value;
+  value.kind = ParameterDeclaration::Kind::quantity;
+  value.uncertain = true;
+  ParameterDeclaration map;
+  map.name = "quantities";
+  map.kind = ParameterDeclaration::Kind::map;
+  map.documentation = "named values in any unit, each of which may carry an error";
+  map.children = {std::move(value)};
+  return map;
+}
+
+}  // namespace
+
 void Registry::add(ModuleType type) {
   if (types_.contains(type.name))
     throw std::invalid_argument(fmt::format("module type '{}' is registered twice", type.name));
@@ -14,25 +30,17 @@ void Registry::add(ModuleType type) {
   for (const InputDeclaration& input : interface.inputs) add_payload(*input.payload);
   add_payload(*interface.output);
   type.declarations = quantity_declarations(*type.parameters);
+  if (type.takes_quantities) type.declarations.push_back(any_quantities());
   merge_declarations(type.declarations, type.options);
   std::string name = type.name;
   types_.emplace(std::move(name), std::make_unique<ModuleType>(std::move(type)));
 }
 
 void Registry::add_payload(const PayloadDescriptor& payload) {
+  if (&payload == &any_payload()) return;
   const auto [place, fresh] = payloads_.emplace(payload.name, &payload);
-  if (fresh || place->second == &payload) return;
-  const PayloadDescriptor& known = *place->second;
-  const bool same =
-      std::equal(known.components.begin(), known.components.end(), payload.components.begin(),
-                 payload.components.end(),
-                 [](const Component& a, const Component& b) {
-                   return a.name == b.name && a.unit == b.unit && a.circular == b.circular;
-                 }) &&
-      std::equal(
-          known.labels.begin(), known.labels.end(), payload.labels.begin(), payload.labels.end(),
-          [](const Label& a, const Label& b) { return a.name == b.name && a.values == b.values; });
-  if (!same)
+  if (fresh) return;
+  if (!same_payload(*place->second, payload))
     throw std::invalid_argument(fmt::format(
         "payload '{}' is declared twice, with different components or labels", payload.name));
 }

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "framework/estimate/units.h"
+#include "framework/graph/recording.h"
 #include "framework/graph/value_reader.h"
-#include "framework/study/recording.h"
 
 namespace ilss {
 namespace {
@@ -169,7 +169,8 @@ void StudyReader::read_payload(const std::string& name) {
   if (study_.payload == nullptr) {
     std::vector<std::string> names;
     for (const ModuleType* type : registry_.types())
-      names.push_back(type->interface({}).output->name);
+      if (const auto* output = type->interface({}).output; output != &any_payload())
+        names.push_back(output->name);
     diagnostics_.add(node->position, fmt::format("no module gives a payload '{}'{}", name,
                                                  suggestion(name, names)));
   } else if (study_.payload->dimension() == 0) {

@@ -55,7 +55,10 @@ void Camera::Options::declare(OptionVisitor& visit) {
 }
 
 Interface Camera::interface(const Options& options) {
-  return {{}, &descriptor<Image>(), options.frame, {}};
+  return {.inputs = {},
+          .output = &descriptor<Image>(),
+          .frame = options.frame,
+          .draws_readings = options.input.scene.has_value()};
 }
 
 Camera::Camera(Options options) : options_(std::move(options)) {}

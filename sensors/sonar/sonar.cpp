@@ -76,7 +76,10 @@ void Sonar::Options::declare(OptionVisitor& visit) {
 }
 
 Interface Sonar::interface(const Options& options) {
-  return {{}, &descriptor<SonarReading>(), options.frame, {}};
+  return {.inputs = {},
+          .output = &descriptor<SonarReading>(),
+          .frame = options.frame,
+          .draws_readings = options.input.scene.has_value()};
 }
 
 double Sonar::standard_deviation(double range) const {

@@ -1,4 +1,4 @@
-#include "framework/study/recording.h"
+#include "framework/graph/recording.h"
 
 #include <fmt/format.h>
 
