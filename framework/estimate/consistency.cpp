@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -59,6 +60,11 @@ Interval chi_square_interval(double degrees_of_freedom, double probability) {
   const double tail = (1 - probability) / 2;
   return {chi_square_quantile(degrees_of_freedom, tail),
           chi_square_quantile(degrees_of_freedom, 1 - tail)};
+}
+
+double coverage_factor(double degrees_of_freedom, double probability) {
+  if (std::isinf(degrees_of_freedom)) return std::sqrt(chi_square_quantile(1, probability));
+  return quantile(boost::math::students_t(degrees_of_freedom), (1 + probability) / 2);
 }
 
 double chi_square_quantile(double degrees_of_freedom, double probability) {

@@ -42,6 +42,10 @@ Interval chi_square_interval(double degrees_of_freedom, double probability);
 /// What a chi-square variable exceeds with probability 1 - `probability`.
 double chi_square_quantile(double degrees_of_freedom, double probability);
 
+/// The half width of a two-sided interval in standard deviations: of Student's t, or of the normal
+/// law where the degrees of freedom are infinite (JCGM 100:2008, G.3).
+double coverage_factor(double degrees_of_freedom, double probability);
+
 /// Collects normalised errors of many runs: an honest estimator's mean per degree of freedom is 1.
 class ConsistencyStatistic {
  public:

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "framework/graph/guarded.h"
+
 namespace ilss {
 namespace {
 
@@ -28,18 +30,6 @@ std::unique_ptr<Module> create_module(const PlanNode& node) {
     return std::make_unique<BrokenModule>(fmt::format("cannot be created: {}", error.what()));
   } catch (...) {
     return std::make_unique<BrokenModule>("cannot be created");
-  }
-}
-
-/// What a call gives; what it throws becomes the fault `internal`.
-template <typename Call>
-Outcome<> guarded(const Call& call) {
-  try {
-    return call();
-  } catch (const std::exception& error) {
-    return Fault{FaultKind::internal, fmt::format("the module threw: {}", error.what())};
-  } catch (...) {
-    return Fault{FaultKind::internal, "the module threw"};
   }
 }
 

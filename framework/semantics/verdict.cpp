@@ -6,148 +6,19 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <span>
-#include <string>
 
 #include "framework/estimate/random.h"
+#include "framework/semantics/monte_carlo.h"
 
 namespace ilss {
 namespace {
 
-/// How far sources are moved in search of another label (standard deviations).
-constexpr double label_distance = 2.5;
-
-/// Values without errors of every node that the outputs follow from, and how to redo them.
-class Perturbation {
- public:
-  Perturbation(const System& system, const std::vector<std::size_t>& cut)
-      : system_(system), nodes_(system.size()) {
-    std::vector<char> needed(system.size(), 0);
-    for (const std::size_t output : system.plan().outputs) needed[output] = 1;
-    for (std::size_t i = system.size(); i-- > 0;) {
-      if (!needed[i]) continue;
-      const PlanNode& node = system.plan().nodes[i];
-      const bool is_cut = node.type->kind != ModuleKind::function ||
-                          std::find(cut.begin(), cut.end(), i) != cut.end();
-      nodes_[i].role = is_cut ? Role::moved : Role::redone;
-      if (!is_cut)
-        for (const PlanInput& input : node.inputs) needed[input.node] = 1;
-    }
-    for (std::size_t i = 0; i < nodes_.size(); ++i) prepare(i);
-    std::sort(sources_.begin(), sources_.end());
-    sources_.erase(std::unique(sources_.begin(), sources_.end()), sources_.end());
-  }
-
-  const std::vector<Source>& sources() const { return sources_; }
-
-  /// Moves each source by its amount (standard deviations, in the order of `sources`) and redoes
-  /// every function.
-  void apply(std::span<const double> amounts) {
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      NodeValues& node = nodes_[i];
-      if (node.role == Role::moved)
-        move(system_.node(i).output.estimate, amounts, node.output.estimate);
-      else if (node.role == Role::redone)
-        redo(i, amounts);
-    }
-  }
-
-  /// Whether the last move led out of the domain of a function that the node follows from, and
-  /// what that function said.
-  bool failed(std::size_t node) const { return nodes_[node].failed; }
-  const std::string& fault(std::size_t node) const { return nodes_[node].fault; }
-  /// Whether it changed a label on the way to the node: another case of a formula.
-  bool changed_label(std::size_t node) const { return nodes_[node].changed_label; }
-
-  /// The largest number of each unit among what is redone and moved: rounding is relative to it,
-  /// not to what is left where large numbers cancel.
-  std::map<std::string, double, std::less<>> sizes() const {
-    std::map<std::string, double, std::less<>> result;
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      if (nodes_[i].role == Role::unused) continue;
-      const Estimate& estimate = system_.node(i).output.estimate;
-      for (std::size_t c = 0; c < estimate.dimension(); ++c) {
-        double& size = result[estimate.type->components[c].unit];
-        size = std::max(size, std::abs(estimate.value[c]));
-      }
-    }
-    return result;
-  }
-
-  const Estimate& value(std::size_t node) const { return nodes_[node].output.estimate; }
-
- private:
-  enum class Role { unused, moved, redone };
-  struct NodeValues {
-    Role role = Role::unused;
-    Output output;
-    Estimate parameters;
-    std::vector<const Output*> inputs;
-    bool failed = false;
-    std::string fault;
-    bool changed_label = false;
-  };
-
-  void redo(std::size_t i, std::span<const double> amounts) {
-    NodeValues& node = nodes_[i];
-    const PlanNode& plan_node = system_.plan().nodes[i];
-    node.failed = false;
-    node.changed_label = false;
-    for (const PlanInput& input : plan_node.inputs) {
-      const NodeValues& producer = nodes_[input.node];
-      if (producer.failed && !node.failed) node.fault = producer.fault;
-      node.failed |= producer.failed;
-      node.changed_label |= producer.changed_label;
-    }
-    if (node.failed) return;
-    move(plan_node.parameters, amounts, node.parameters);
-    const Outcome<> outcome = system_.try_function(i, node.parameters, node.inputs, node.output);
-    node.failed = !outcome.has_output();
-    if (outcome.is_fault())
-      node.fault = fmt::format("'{}': {}", plan_node.name, outcome.fault().message);
-    node.changed_label |= node.output.estimate.labels != system_.node(i).output.estimate.labels;
-  }
-
-  void prepare(std::size_t i) {
-    NodeValues& node = nodes_[i];
-    if (node.role == Role::unused) return;
-    if (!system_.node(i).outcome.has_output()) {
-      node.role = Role::unused;
-      node.failed = true;
-      return;
-    }
-    node.output = system_.node(i).output;
-    node.output.estimate.lineage.reset(node.output.estimate.dimension());
-    if (node.role == Role::moved) {
-      collect(system_.node(i).output.estimate.lineage);
-      return;
-    }
-    const PlanNode& plan_node = system_.plan().nodes[i];
-    collect(plan_node.parameters.lineage);
-    node.parameters = plan_node.parameters;
-    node.parameters.lineage.reset(node.parameters.dimension());
-    for (const PlanInput& input : plan_node.inputs)
-      node.inputs.push_back(&nodes_[input.node].output);
-  }
-  void collect(const Lineage& lineage) {
-    sources_.insert(sources_.end(), lineage.sources().begin(), lineage.sources().end());
-  }
-  void move(const Estimate& from, std::span<const double> amounts, Estimate& to) const {
-    to.value = from.value;
-    auto at = sources_.begin();
-    for (std::size_t k = 0; k < from.lineage.size(); ++k) {
-      at = std::lower_bound(at, sources_.end(), from.lineage.sources()[k]);
-      const double amount = amounts[static_cast<std::size_t>(at - sources_.begin())];
-      if (amount == 0) continue;
-      const auto column = from.lineage.column(k);
-      for (std::size_t c = 0; c < column.size(); ++c) to.value[c] += amount * column[c];
-    }
-  }
-
-  const System& system_;
-  std::vector<NodeValues> nodes_;
-  std::vector<Source> sources_;
-};
+/// How far sources are moved in search of another label or a fault (standard deviations).
+constexpr double search_distance = 3.0;
+/// Of the pilot's trials: the same system always gets the same verdict.
+constexpr std::uint64_t pilot_seed = 0;
+/// With more sources than this, not every pair is moved.
+constexpr std::size_t most_paired_sources = 12;
 
 /// Sums over sources of what moving each does to an output along one direction.
 struct Moments {
@@ -155,24 +26,25 @@ struct Moments {
   double squared_curvature = 0;  ///< of their squares
   double secant_variance = 0;    ///< of squared central differences
   double mixed_variance = 0;     ///< second-order variance of sources moving together
+  double excess_kurtosis = 0;    ///< of fourth powers of central differences by their laws'
 
   double bias() const { return curvature / 2; }
-  double extra_variance() const { return squared_curvature / 2 + mixed_variance; }
+  double second_order_variance() const { return squared_curvature / 2 + mixed_variance; }
 };
 
-Verdict judge_direction(const Moments& moments, double variance, double size) {
+/// Whether first order holds along a direction beyond doubt. `size` is of the numbers that make it
+/// up: an error of their rounding is no error.
+bool is_clear(const Moments& moments, double variance, double size) {
   const double bias = std::abs(moments.bias());
-  const double extra = moments.extra_variance();
-  // An error of rounding is no error.
+  const double extra = moments.second_order_variance();
+  const double change = std::abs(moments.secant_variance - variance);
   const double rounding = 1e-12 * size;
-  if (bias <= rounding && std::sqrt(extra) <= rounding &&
-      std::sqrt(std::abs(moments.secant_variance - variance)) <= rounding)
-    return Verdict::linear_ok;
-  const bool linear =
-      bias <= largest_relative_bias * std::sqrt(variance) &&
-      extra <= largest_relative_variance_change * variance &&
-      std::abs(moments.secant_variance - variance) <= largest_relative_variance_change * variance;
-  return linear ? Verdict::linear_ok : Verdict::second_order;
+  if (bias <= rounding && std::sqrt(extra) <= rounding && std::sqrt(change) <= rounding)
+    return std::abs(moments.excess_kurtosis) <= clear_excess_kurtosis * variance * variance;
+  return bias <= clear_relative_bias * std::sqrt(variance) &&
+         extra <= clear_relative_variance * variance &&
+         change <= clear_relative_variance * variance &&
+         std::abs(moments.excess_kurtosis) <= clear_excess_kurtosis * variance * variance;
 }
 
 /// The directions in which an output's error is judged, as rows: its components, and the principal
@@ -200,159 +72,242 @@ Eigen::MatrixXd directions_of(const Estimate& estimate) {
 /// What is known of one output after all moves.
 struct ProbedOutput {
   std::size_t node;
-  Eigen::MatrixXd directions;
-  std::vector<Moments> moments;  ///< of each direction
-  Eigen::VectorXd above;         ///< offsets along the directions when moved to the one side
-  bool inside = true;            ///< no move led out of a function's domain
-  std::string reason = {};       ///< the first one that did
+  bool there = false;
+  Eigen::MatrixXd directions = {};
+  std::vector<Moments> moments = {};  ///< of each direction
+  bool meets_fault = false;           ///< a move led out of a function's domain
   bool changes_label = false;
 };
 
 /// Moves sources and gathers what that does to every output.
 class Probe {
  public:
-  Probe(const System& system, const std::vector<std::size_t>& cut)
-      : system_(system), perturbation_(system, cut), amounts_(perturbation_.sources().size(), 0.0) {
+  Probe(const System& system, Perturbation& perturbation)
+      : system_(system), perturbation_(perturbation), errors_(perturbation.sources().size(), 0.0) {
     for (const std::size_t node : system.plan().outputs) {
       ProbedOutput& output = outputs_.emplace_back();
       output.node = node;
-      output.inside = system.node(node).outcome.has_output();
-      if (!output.inside) continue;
+      output.there = system.node(node).outcome.has_output();
+      if (!output.there) continue;
       output.directions = directions_of(system.node(node).output.estimate);
       output.moments.resize(static_cast<std::size_t>(output.directions.rows()));
     }
+    move_each();
+    if (errors_.size() <= most_paired_sources)
+      move_pairs();
+    else
+      move_together();
   }
 
   const std::vector<ProbedOutput>& outputs() const { return outputs_; }
-  std::map<std::string, double, std::less<>> sizes() const { return perturbation_.sizes(); }
+
+ private:
+  using Offsets = std::vector<Eigen::VectorXd>;  ///< along the directions, of each output
+
+  /// What the errors as they stand do to each output; noted where they leave none.
+  Offsets offsets() {
+    perturbation_.apply(errors_);
+    Offsets result;
+    for (ProbedOutput& output : outputs_) {
+      Eigen::VectorXd& offset = result.emplace_back(Eigen::VectorXd::Zero(output.directions.rows()));
+      if (!output.there) continue;
+      if (perturbation_.failed(output.node)) {
+        output.meets_fault = true;
+        continue;
+      }
+      output.changes_label |= perturbation_.changed_label(output.node);
+      offset = output.directions * difference(perturbation_.value(output.node),
+                                              system_.node(output.node).output.estimate.value);
+    }
+    return result;
+  }
+
+  template <typename Gather>
+  void for_each_direction(const Gather& gather) {
+    for (std::size_t o = 0; o < outputs_.size(); ++o)
+      for (std::size_t r = 0; r < outputs_[o].moments.size(); ++r)
+        gather(outputs_[o].moments[r], o, static_cast<Eigen::Index>(r));
+  }
+
+  double excess_kurtosis(std::size_t k) const {
+    const SourceOwners& owners = system_.plan().owners;
+    const std::uint32_t owner = perturbation_.sources()[k].owner;
+    return owner < owners.size() ? owners[owner].distribution.excess_kurtosis() : 0.0;
+  }
 
   /// One source at a time, to both sides.
   void move_each() {
     const double step = std::sqrt(3.0);
-    for (std::size_t k = 0; k < amounts_.size(); ++k) {
-      // Given outputs may bring sources of owners that the plan does not list.
-      const SourceOwners& owners = system_.plan().owners;
-      const std::uint32_t owner = perturbation_.sources()[k].owner;
-      const std::string name = owner < owners.size() ? owners[owner].name : "a given source";
-      move_both_ways([&](double sign) { amounts_[k] = sign * step; },
-                     fmt::format("an error of {} of 1.7 standard deviations", name));
-      for_each_direction([&](Moments& m, double above, double below) {
-        const double second = (above + below) / (step * step);
-        const double secant = (above - below) / (2 * step);
+    for (std::size_t k = 0; k < errors_.size(); ++k) {
+      errors_[k] = step;
+      const Offsets above = offsets();
+      errors_[k] = -step;
+      const Offsets below = offsets();
+      const double kurtosis = excess_kurtosis(k);
+      for_each_direction([&](Moments& m, std::size_t o, Eigen::Index r) {
+        const double second = (above[o][r] + below[o][r]) / (step * step);
+        const double secant = (above[o][r] - below[o][r]) / (2 * step);
         m.curvature += second;
         m.squared_curvature += second * second;
         m.secant_variance += secant * secant;
+        m.excess_kurtosis += kurtosis * secant * secant * secant * secant;
       });
-      watch_labels([&](double sign) { amounts_[k] = sign * label_distance; });
-      amounts_[k] = 0;
+      for (const double distance : {search_distance, -search_distance}) {
+        errors_[k] = distance;
+        offsets();
+      }
+      errors_[k] = 0;
     }
+  }
+
+  /// Two sources at a time, by ±1 standard deviation: their mixed second derivatives.
+  void move_pairs() {
+    const auto offsets_at = [&](std::size_t i, double a, std::size_t j, double b) {
+      errors_[i] = a;
+      errors_[j] = b;
+      return offsets();
+    };
+    for (std::size_t i = 0; i < errors_.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const Offsets both = offsets_at(i, 1, j, 1);
+        const Offsets neither = offsets_at(i, -1, j, -1);
+        const Offsets first = offsets_at(i, 1, j, -1);
+        const Offsets second = offsets_at(i, -1, j, 1);
+        for_each_direction([&](Moments& m, std::size_t o, Eigen::Index r) {
+          const double mixed = (both[o][r] + neither[o][r] - first[o][r] - second[o][r]) / 4;
+          m.mixed_variance += mixed * mixed;
+        });
+        errors_[i] = errors_[j] = 0;
+      }
   }
 
   /// All sources at once by ±1 standard deviation, signs drawn: with second derivatives H, the mean
   /// of both ways is tr(H) / 2 + sum of s_i s_j H_ij over i < j, so its scatter is the mixed part.
   void move_together() {
-    constexpr int draws = 24;
-    if (amounts_.size() < 2) return;
+    constexpr int draws = 48;
     RandomBits random(0);
-    std::vector<double> signs(amounts_.size());
-    const double to_label_distance = label_distance / std::sqrt(static_cast<double>(signs.size()));
-    const auto set_all = [&](double factor) {
-      for (std::size_t k = 0; k < signs.size(); ++k) amounts_[k] = factor * signs[k];
+    std::vector<double> signs(errors_.size());
+    const double to_distance = search_distance / std::sqrt(static_cast<double>(signs.size()));
+    const auto offsets_at = [&](double factor) {
+      for (std::size_t k = 0; k < signs.size(); ++k) errors_[k] = factor * signs[k];
+      return offsets();
     };
     for (int d = 0; d < draws; ++d) {
       for (double& sign : signs) sign = (random() & 1) != 0 ? 1.0 : -1.0;
-      move_both_ways(set_all, "an error of one standard deviation of each source");
-      for_each_direction([&](Moments& m, double above, double below) {
-        const double mixed = (above + below) / 2 - m.bias();
+      const Offsets above = offsets_at(1);
+      const Offsets below = offsets_at(-1);
+      for_each_direction([&](Moments& m, std::size_t o, Eigen::Index r) {
+        const double mixed = (above[o][r] + below[o][r]) / 2 - m.bias();
         m.mixed_variance += mixed * mixed / draws;
       });
-      watch_labels([&](double sign) { set_all(sign * to_label_distance); });
-    }
-  }
-
- private:
-  Eigen::VectorXd offset(const ProbedOutput& output) const {
-    return output.directions * difference(perturbation_.value(output.node),
-                                          system_.node(output.node).output.estimate.value);
-  }
-  void note_failures(const std::string& move) {
-    for (ProbedOutput& output : outputs_) {
-      if (!output.inside || !perturbation_.failed(output.node)) continue;
-      output.inside = false;
-      output.reason =
-          fmt::format("{} leaves no answer: {}", move, perturbation_.fault(output.node));
-    }
-  }
-  template <typename SetAmounts>
-  void move_both_ways(const SetAmounts& set_amounts, const std::string& move) {
-    set_amounts(1.0);
-    perturbation_.apply(amounts_);
-    note_failures(move);
-    for (ProbedOutput& output : outputs_)
-      if (output.inside) output.above = offset(output);
-    set_amounts(-1.0);
-    perturbation_.apply(amounts_);
-    note_failures(move);
-  }
-  template <typename Gather>
-  void for_each_direction(const Gather& gather) {
-    for (ProbedOutput& output : outputs_) {
-      if (!output.inside) continue;
-      const Eigen::VectorXd below = offset(output);
-      for (std::size_t r = 0; r < output.moments.size(); ++r)
-        gather(output.moments[r], output.above[static_cast<Eigen::Index>(r)],
-               below[static_cast<Eigen::Index>(r)]);
-    }
-  }
-  /// A change of label within reach is a kink, which moments may miss; a fault there is not judged.
-  template <typename SetAmounts>
-  void watch_labels(const SetAmounts& set_amounts) {
-    for (const double sign : {1.0, -1.0}) {
-      set_amounts(sign);
-      perturbation_.apply(amounts_);
-      for (ProbedOutput& output : outputs_)
-        if (output.inside && !perturbation_.failed(output.node))
-          output.changes_label |= perturbation_.changed_label(output.node);
+      offsets_at(to_distance);
+      offsets_at(-to_distance);
     }
   }
 
   const System& system_;
-  Perturbation perturbation_;
-  std::vector<double> amounts_;
+  Perturbation& perturbation_;
+  std::vector<double> errors_;
   std::vector<ProbedOutput> outputs_;
 };
 
-VerdictReport report_of(const ProbedOutput& output, const Estimate& estimate,
-                        const std::map<std::string, double, std::less<>>& sizes) {
-  VerdictReport report;
-  if (!output.inside) {
-    report.verdict = Verdict::invalid;
-    report.reason = output.reason;
-    return report;
-  }
-  const std::size_t components = estimate.dimension();
-  for (std::size_t r = 0; r < output.moments.size(); ++r) {
-    const Moments& moments = output.moments[r];
-    if (r >= components) {  // a principal axis, of unit variance
-      if (judge_direction(moments, 1.0, 0.0) == Verdict::linear_ok) continue;
-      if (report.verdict == Verdict::linear_ok)
-        report.reason = "the components' errors together are not as their covariance says";
-      report.verdict = std::max(report.verdict, Verdict::second_order);
-      continue;
+/// The largest number of each unit among the nodes that outputs follow from: rounding is relative
+/// to it, not to what is left where large numbers cancel.
+using Sizes = std::map<std::string, double, std::less<>>;
+Sizes sizes_of(const System& system, const Perturbation& perturbation) {
+  Sizes result;
+  const auto take = [&](const Estimate& estimate) {
+    for (std::size_t c = 0; c < estimate.dimension(); ++c) {
+      double& size = result[estimate.type->components[c].unit];
+      size = std::max(size, std::abs(estimate.value[c]));
     }
-    const Verdict verdict = judge_direction(moments, estimate.lineage.variance(r),
-                                            sizes.at(estimate.type->components[r].unit));
-    report.components.push_back(verdict);
-    report.verdict = std::max(report.verdict, verdict);
-    report.bias.push_back(moments.bias());
-    report.extra_variance.push_back(moments.extra_variance());
+  };
+  for (const std::size_t node : perturbation.nodes()) {
+    take(system.node(node).output.estimate);
+    take(system.plan().nodes[node].parameters);
   }
-  if (output.changes_label) {
-    report.verdict = std::max(report.verdict, Verdict::second_order);
-    report.reason = "another case is within 2.5 standard deviations";
-  }
-  return report;
+  return result;
 }
+
+/// Whether the pilot's share inside an interval is what it should be.
+bool holds(double coverage, double tolerance) {
+  return std::isnan(coverage) || std::abs(coverage - 0.95) <= tolerance;
+}
+
+/// Judges one output by what was seen of it; without a pilot, whether one is needed.
+class Judgement {
+ public:
+  Judgement(const ProbedOutput& output, const Estimate& estimate, const Sizes& sizes)
+      : output_(output), estimate_(estimate) {
+    if (!output.there) {
+      report_.verdict = Verdict::invalid;
+      return;
+    }
+    doubtful_ = output.meets_fault || output.changes_label;
+    for (std::size_t r = 0; r < output.moments.size(); ++r) {
+      const Moments& moments = output.moments[r];
+      const bool is_component = r < estimate.dimension();
+      const double variance = is_component ? estimate.lineage.variance(r) : 1.0;
+      const double size = is_component ? sizes.at(estimate.type->components[r].unit) : 0.0;
+      const bool clear = is_clear(moments, variance, size);
+      doubtful_ |= !clear;
+      if (!is_component) continue;
+      clear_.push_back(clear);
+      report_.components.push_back(Verdict::linear_ok);
+      report_.bias.push_back(moments.bias());
+      report_.extra_variance.push_back(moments.second_order_variance() + moments.secant_variance -
+                                       variance);
+    }
+  }
+
+  bool doubtful() const { return doubtful_; }
+
+  /// Decides by trials.
+  void take_pilot(const MonteCarloOutput& pilot) {
+    report_.piloted = true;
+    const auto trials = static_cast<double>(pilot.trials + pilot.faults);
+    const double fault_share = static_cast<double>(pilot.faults) / trials;
+    if (pilot.trials == 0 || fault_share > largest_fault_share) {
+      report_.verdict = Verdict::invalid;
+      report_.reason = fmt::format("{:.2g} % of all errors leave no answer: {}",
+                                   100 * fault_share, pilot.fault);
+      return;
+    }
+    for (std::size_t c = 0; c < estimate_.dimension(); ++c) {
+      report_.components[c] = judge_component(c, pilot);
+      report_.verdict = std::max(report_.verdict, report_.components[c]);
+    }
+    if (report_.verdict != Verdict::linear_ok || holds(pilot.joint_coverage, pilot_tolerance))
+      return;
+    report_.verdict = Verdict::second_order;
+    report_.reason = output_.changes_label
+                         ? "another case is near, and the components' errors together are not as "
+                           "their covariance says"
+                         : "the components' errors together are not as their covariance says";
+  }
+
+  VerdictReport report() && { return std::move(report_); }
+
+ private:
+  Verdict judge_component(std::size_t c, const MonteCarloOutput& pilot) const {
+    const double variance = estimate_.lineage.variance(c);
+    const double second_order = output_.moments[c].second_order_variance();
+    if (!clear_[c] && second_order > variance) return Verdict::monte_carlo_required;
+    if (holds(pilot.coverage[c], pilot_tolerance)) return Verdict::linear_ok;
+    const double corrected = variance + report_.extra_variance[c];
+    const double miss = corrected > 0 ? std::abs(pilot.coverage_around(
+                                                     c, report_.bias[c], std::sqrt(corrected)) -
+                                                 0.95)
+                                      : 1.0;
+    return miss <= 2 * pilot_tolerance ? Verdict::second_order : Verdict::monte_carlo_required;
+  }
+
+  const ProbedOutput& output_;
+  const Estimate& estimate_;
+  std::vector<bool> clear_;
+  bool doubtful_ = false;
+  VerdictReport report_;
+};
 
 }  // namespace
 
@@ -371,13 +326,21 @@ std::string_view verdict_name(Verdict verdict) {
 }
 
 std::vector<VerdictReport> judge(const System& system, const std::vector<std::size_t>& cut) {
-  Probe probe(system, cut);
-  probe.move_each();
-  probe.move_together();
-  const auto sizes = probe.sizes();
-  std::vector<VerdictReport> reports;
+  Perturbation perturbation(system, cut, Redo::functions);
+  const Probe probe(system, perturbation);
+  const Sizes sizes = sizes_of(system, perturbation);
+  std::vector<Judgement> judgements;
   for (const ProbedOutput& output : probe.outputs())
-    reports.push_back(report_of(output, system.node(output.node).output.estimate, sizes));
+    judgements.emplace_back(output, system.node(output.node).output.estimate, sizes);
+  const bool doubt = std::any_of(judgements.begin(), judgements.end(),
+                                 [](const Judgement& judgement) { return judgement.doubtful(); });
+  if (doubt) {
+    const auto pilot = run_monte_carlo(system, perturbation, pilot_trials, pilot_seed);
+    for (std::size_t o = 0; o < judgements.size(); ++o)
+      if (judgements[o].doubtful()) judgements[o].take_pilot(pilot[o]);
+  }
+  std::vector<VerdictReport> reports;
+  for (Judgement& judgement : judgements) reports.push_back(std::move(judgement).report());
   return reports;
 }
 

@@ -38,7 +38,7 @@ TEST(Verdict, LinearFunctionIsLinearOk) {
 TEST(Verdict, SquareAtZeroIsNotLinear) {
   const Judged judged("value: 0 m, value_std: 1 mm", "p: {type: product}", "combine: [x, x], p");
   EXPECT_EQ(judged.variance(), 0);
-  EXPECT_EQ(judged.report.verdict, Verdict::second_order);
+  EXPECT_EQ(judged.report.verdict, Verdict::monte_carlo_required);
   // E[x²] = s², Var[x²] = 2 s⁴ of a normal x.
   EXPECT_NEAR(judged.report.bias[0], 1e-6, 1e-15);
   EXPECT_NEAR(judged.report.extra_variance[0], 2e-12, 1e-20);
@@ -53,7 +53,7 @@ network: {serial: [combine: [x, y], p]}
   system.expect({});
   const VerdictReport report = judge(system).at(0);
   EXPECT_EQ(output_of(system).lineage.variance(0), 0);
-  EXPECT_EQ(report.verdict, Verdict::second_order);
+  EXPECT_EQ(report.verdict, Verdict::monte_carlo_required);
   EXPECT_NEAR(report.extra_variance[0], 4e-12, 1e-20);  // Var[x y] = sx² sy²
 }
 
@@ -120,7 +120,7 @@ TEST(Verdict, ChainsAreJudgedAsAWhole) {
 TEST(Verdict, ErrorsOfParametersCount) {
   EXPECT_EQ(
       Judged("value: 0 m, bias: {value: 0 m, std: 1 m}", "s: {type: sine}", "x, s").report.verdict,
-      Verdict::second_order);
+      Verdict::monte_carlo_required);
 }
 
 TEST(Verdict, GivenOutputsAreMovedThemselves) {
@@ -134,7 +134,7 @@ network: {serial: [x, r, s]}
   given.estimate.value = {0.5};
   given.estimate.lineage.add({9, 0, 0}, std::size_t{0}, 2.0);
   system.expect({{r, {given, true}}});
-  EXPECT_EQ(judge(system, {r}).at(0).verdict, Verdict::second_order);
+  EXPECT_EQ(judge(system, {r}).at(0).verdict, Verdict::monte_carlo_required);
 }
 
 }  // namespace
