@@ -32,8 +32,7 @@ std::optional<Dimension> Dimension::of(std::string_view unit) {
     const std::string_view factor = rest.substr(0, rest.find('.'));
     rest.remove_prefix(std::min(rest.size(), factor.size() + 1));
     const std::size_t letters = std::min(factor.find_first_of("-0123456789"), factor.size());
-    const auto* base =
-        std::find(base_units.begin(), base_units.end(), factor.substr(0, letters));
+    const auto* base = std::find(base_units.begin(), base_units.end(), factor.substr(0, letters));
     int power = 1;
     if (letters < factor.size())
       std::from_chars(factor.data() + letters, factor.data() + factor.size(), power);

@@ -8,8 +8,8 @@
 
 namespace ilss {
 
-/// Powers of the SI base units and the radian: angle counts as a dimension of its own. Powers may be
-/// any real number, so that a square root always has a dimension.
+/// Powers of the SI base units and the radian: angle counts as a dimension of its own. Powers may
+/// be any real number, so that a square root always has a dimension.
 class Dimension {
  public:
   /// Of a pure number.

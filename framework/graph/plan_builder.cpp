@@ -103,7 +103,7 @@ const Constants* constants_of(std::string_view parameter, const Constants& own,
 class PlanBuilder {
  public:
   PlanBuilder(const Registry& registry, Diagnostics& diagnostics)
-      : registry_(registry), diagnostics_(diagnostics), wiring_(nodes_, diagnostics) {}
+      : registry_(registry), diagnostics_(diagnostics), wiring_(nodes_, registry, diagnostics) {}
 
   std::optional<Plan> build(const Node& graph, const std::filesystem::path& directory,
                             const std::vector<Override>& overrides) {

@@ -6,6 +6,8 @@
 #include <functional>
 #include <queue>
 
+#include "framework/estimate/dimension.h"
+
 namespace ilss {
 namespace {
 
@@ -226,6 +228,30 @@ void Wiring::resolve(std::size_t index) {
     diagnostics_.add(node.position, fmt::format("module type '{}' is defective: {}",
                                                 node.type->name, error.what()));
   }
+  adopt_registered_payload(node);
+}
+
+/// A payload that a graph defines under the name of a registered one is that one, labels and all,
+/// if its components are the same; other modules tell payloads apart by name.
+void Wiring::adopt_registered_payload(PlanNode& node) {
+  const PayloadDescriptor& made = *node.interface.output;
+  const PayloadDescriptor* known = registry_.find_payload(made.name);
+  if (known == nullptr || same_payload(*known, made)) return;
+  const bool same_components =
+      std::equal(made.components.begin(), made.components.end(), known->components.begin(),
+                 known->components.end(), [](const Component& a, const Component& b) {
+                   return a.name == b.name && Dimension::of(a.unit) == Dimension::of(b.unit);
+                 });
+  if (same_components && !known->samples && known->element.empty()) {
+    node.interface.output = known;
+    return;
+  }
+  std::vector<std::string> components;
+  for (const Component& component : known->components)
+    components.push_back(fmt::format("{} ({})", component.name, component.unit));
+  diagnostics_.add(node.position, fmt::format("'{}' gives a payload '{}' of other components than "
+                                              "that has: {}; name it otherwise",
+                                              node.name, made.name, fmt::join(components, ", ")));
 }
 
 void Wiring::check_input(std::size_t index, std::size_t i) {

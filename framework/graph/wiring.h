@@ -30,9 +30,9 @@ using Scope = std::map<std::string, Instance, std::less<>>;
 /// that could not be read are unknown, and nothing more is said of what hangs on them.
 class Wiring {
  public:
-  /// Both must outlive it. Nodes may be added between calls.
-  Wiring(std::vector<PlanNode>& nodes, Diagnostics& diagnostics)
-      : nodes_(nodes), diagnostics_(diagnostics) {}
+  /// All must outlive it. Nodes may be added between calls.
+  Wiring(std::vector<PlanNode>& nodes, const Registry& registry, Diagnostics& diagnostics)
+      : nodes_(nodes), registry_(registry), diagnostics_(diagnostics) {}
 
   /// Connects the nodes that a system's network names; every module of the scope must be used and
   /// fed. Returns the system's outputs, as the instance that the system is from outside.
@@ -66,10 +66,12 @@ class Wiring {
   void check_used(const Expression& network, const Scope& scope);
   void report_cycles(const std::vector<std::size_t>& waiting_for);
   void resolve(std::size_t index);
+  void adopt_registered_payload(PlanNode& node);
   void check_payload_names(const std::vector<std::size_t>& order);
   void check_input(std::size_t index, std::size_t i);
 
   std::vector<PlanNode>& nodes_;
+  const Registry& registry_;
   Diagnostics& diagnostics_;
   std::vector<Connection> connections_;  ///< of each node
 };
