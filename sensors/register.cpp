@@ -4,6 +4,8 @@
 #include "sensors/camera/range_calibration.h"
 #include "sensors/camera/target_points.h"
 #include "sensors/camera/vision_line.h"
+#include "sensors/formula/expression.h"
+#include "sensors/formula/linear.h"
 #include "sensors/scene/scene_wall.h"
 #include "sensors/sonar/sonar.h"
 #include "sensors/wall/planar_transform.h"
@@ -14,6 +16,8 @@ namespace ilss {
 
 void register_sensors(Registry& registry) {
   registry.add<Camera>();
+  registry.add(expression_type());
+  registry.add(linear_type());
   registry.add<PlanarTransform>();
   registry.add<RangeCalibration>();
   registry.add<SceneWall>();
