@@ -41,8 +41,9 @@ std::vector<Subject> subjects() {
   const std::string sonar = "wall_pose_sonar.yaml";
   return {{"vision: wall points", graph_of(vision, "network: system\n")},
           {"vision: wall pose",
-           graph_of(vision, "  to_robot: {type: planar_transform}\n  pose: {type: wall_pose}\n"
-                            "network: {serial: [system, to_robot, pose]}\n")},
+           graph_of(vision,
+                    "  to_robot: {type: planar_transform}\n  pose: {type: wall_pose}\n"
+                    "network: {serial: [system, to_robot, pose]}\n")},
           {"sonar: wall points", graph_of(sonar, "network: system\n")},
           {"sonar: wall pose",
            graph_of(sonar, "  pose: {type: wall_pose}\nnetwork: {serial: [system, pose]}\n")}};
@@ -81,8 +82,7 @@ void scale_errors(Plan& plan, double factor) {
 
 /// The same for what its sensors and estimators are expected to add.
 std::map<std::size_t, System::OperatingPoint> scaled_outputs(const Plan& plan,
-                                                             const System& nominal,
-                                                             double factor) {
+                                                             const System& nominal, double factor) {
   std::map<std::size_t, System::OperatingPoint> points;
   for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
     if (plan.nodes[i].type->kind == ModuleKind::function) continue;
@@ -150,8 +150,9 @@ std::optional<Point> examine(const Subject& subject, const Registry& registry,
 }
 
 std::string percent(std::size_t part, std::size_t whole) {
-  return whole == 0 ? "-" : fmt::format("{:.1f} %", 100.0 * static_cast<double>(part) /
-                                                        static_cast<double>(whole));
+  return whole == 0 ? "-"
+                    : fmt::format("{:.1f} %",
+                                  100.0 * static_cast<double>(part) / static_cast<double>(whole));
 }
 
 void print_row(const std::string& name, const std::vector<Point>& points) {
@@ -210,9 +211,10 @@ void measure(const Arguments& arguments) {
     for (unsigned t = 0; t < std::max(1U, std::thread::hardware_concurrency()); ++t)
       threads.emplace_back(work);
   }
-  fmt::print("| output | points | linear_ok | of these, intervals hold | ... and ellipsoid | "
-             "second_order | monte_carlo_required | invalid | of the others, would have held | "
-             "piloted |\n|---|---|---|---|---|---|---|---|---|---|\n");
+  fmt::print(
+      "| output | points | linear_ok | of these, intervals hold | ... and ellipsoid | "
+      "second_order | monte_carlo_required | invalid | of the others, would have held | "
+      "piloted |\n|---|---|---|---|---|---|---|---|---|---|\n");
   std::vector<Point> together;
   for (std::size_t s = 0; s < all.size(); ++s) {
     print_row(all[s].name, found[s]);

@@ -1,6 +1,9 @@
 #include "src/estimate_json.h"
 
+#include <cmath>
+
 #include "framework/estimate/budget.h"
+#include "src/estimate_text.h"
 
 namespace ilss {
 namespace {
@@ -15,13 +18,14 @@ Json matrix_json(const Eigen::MatrixXd& matrix) {
   return rows;
 }
 
-Json one_output_json(const Output& output, const SourceOwners& owners, Verdict verdict) {
+Json one_output_json(const Output& output, const SourceOwners& owners,
+                     const VerdictReport& verdict) {
   Json json = estimate_json(output.estimate, owners, verdict);
   if (!output.samples.shape.empty()) json["samples"] = {{"shape", output.samples.shape}};
   if (!output.estimate.type->element.empty()) {
     Json features = Json::array();
     for (const Estimate& element : output.elements)
-      features.push_back(estimate_json(element, owners, verdict));
+      features.push_back(estimate_json(element, owners, {.verdict = verdict.verdict}));
     json["features"] = std::move(features);
   }
   return json;
@@ -29,7 +33,8 @@ Json one_output_json(const Output& output, const SourceOwners& owners, Verdict v
 
 }  // namespace
 
-Json estimate_json(const Estimate& estimate, const SourceOwners& owners, Verdict verdict) {
+Json estimate_json(const Estimate& estimate, const SourceOwners& owners,
+                   const VerdictReport& verdict) {
   Json json;
   json["type"] = estimate.type->name;
   json["frame"] = estimate.frame;
@@ -51,12 +56,43 @@ Json estimate_json(const Estimate& estimate, const SourceOwners& owners, Verdict
   json["covariance"] = matrix_json(estimate.lineage.covariance());
   if (estimate.correlation_unknown) json["correlation"] = "unknown";
   Json entries = Json::array();
-  for (const BudgetEntry& entry : budget(estimate.lineage))
+  const std::vector<BudgetEntry> parts = budget(estimate.lineage);
+  for (const BudgetEntry& entry : parts)
     entries.push_back({{"source", owners[entry.owner].name},
                        {"kind", entry.persistent ? "systematic" : "random"},
                        {"variance", entry.variance}});
   json["budget"] = std::move(entries);
-  json["verdict"] = verdict_name(verdict);
+  for (std::size_t i = 0; i < estimate.dimension(); ++i)
+    if (const double degrees = effective_degrees_of_freedom(parts, owners, i);
+        std::isfinite(degrees))
+      json["components"][i]["degrees_of_freedom"] = degrees;
+  json["verdict"] = verdict_name(verdict.verdict);
+  if (!verdict.reason.empty()) json["verdict_reason"] = verdict.reason;
+  if (verdict.bias.size() == estimate.dimension()) {
+    Json mean = Json::array();
+    Json standard_deviation = Json::array();
+    for (std::size_t i = 0; i < estimate.dimension(); ++i) {
+      mean.push_back(estimate.value[i] + verdict.bias[i]);
+      standard_deviation.push_back(corrected_deviation(estimate, verdict, i));
+    }
+    json["second_order"] = {{"mean", std::move(mean)}, {"std", std::move(standard_deviation)}};
+  }
+  return json;
+}
+
+Json monte_carlo_json(const MonteCarloOutput& result) {
+  Json json = {{"trials", result.trials}, {"faults", result.faults}};
+  if (result.faults > 0) json["fault"] = result.fault;
+  if (result.trials == 0) return json;
+  json["mean"] = std::vector<double>(result.mean.begin(), result.mean.end());
+  json["covariance"] = matrix_json(result.covariance);
+  Json intervals = Json::array();
+  for (const Interval& interval : result.interval)
+    intervals.push_back({interval.low, interval.high});
+  json["interval_95"] = std::move(intervals);
+  json["coverage"] = result.coverage;
+  json["joint_coverage"] = result.joint_coverage;
+  json["agreeing_digits"] = result.agreeing_digits;
   return json;
 }
 
@@ -70,7 +106,7 @@ Json outputs_json(const System& system, const SourceOwners& owners,
   const auto one = [&](std::size_t o) -> Json {
     const NodeState& state = system.node(nodes[o]);
     if (!state.outcome.has_output()) return nullptr;
-    return one_output_json(state.output, owners, verdicts[o].verdict);
+    return one_output_json(state.output, owners, verdicts[o]);
   };
   if (nodes.size() == 1) return one(0);
   Json json;

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "framework/semantics/monte_carlo.h"
 #include "framework/semantics/time_prediction.h"
 #include "framework/semantics/verdict.h"
 
@@ -10,8 +11,13 @@ namespace ilss {
 
 using Json = nlohmann::ordered_json;
 
-/// One estimate: type, frame, components, covariance, budget, verdict.
-Json estimate_json(const Estimate& estimate, const SourceOwners& owners, Verdict verdict);
+/// One estimate: type, frame, components, covariance, budget, verdict with its reason, and the
+/// second-order mean and std where they were looked at.
+Json estimate_json(const Estimate& estimate, const SourceOwners& owners,
+                   const VerdictReport& verdict);
+
+/// What Monte Carlo found of an estimate; null for numbers that there are none of.
+Json monte_carlo_json(const MonteCarloOutput& result);
 
 /// A fault: kind, message, and the module it comes from.
 Json fault_json(const Fault& fault, const std::string& module);

@@ -48,6 +48,11 @@ ReadingUnit reading_unit(const std::string& si_unit) {
   return {si_unit, 1};
 }
 
+int decimal_places(double standard_deviation) {
+  if (standard_deviation <= 0) return 3;
+  return std::clamp(1 - static_cast<int>(std::floor(std::log10(standard_deviation))), 0, 12);
+}
+
 std::string quantity_text(double value, const std::string& si_unit) {
   const auto [unit, factor] = reading_unit(si_unit);
   return fmt::format("{:.3g}{}{}", value * factor, unit.empty() ? "" : " ", unit);
@@ -55,15 +60,20 @@ std::string quantity_text(double value, const std::string& si_unit) {
 
 std::string quantity_text(double value, double standard_deviation, const std::string& si_unit) {
   const auto [unit, factor] = reading_unit(si_unit);
-  // Two digits of the standard deviation, and the value to the same place.
+  // The value to the same place as its standard deviation.
   const double shown = standard_deviation * factor;
-  const int digits =
-      shown > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(shown))), 0, 9) : 3;
+  const int digits = decimal_places(shown);
   std::string number = fmt::format("{:.{}f}", value * factor, digits);
   // A negative number that rounds to 0 is shown as 0.
   if (number.starts_with('-') && number.find_first_not_of("-0.") == std::string::npos)
     number.erase(0, 1);
   return fmt::format("{} ± {:.{}f}{}{}", number, shown, digits, unit.empty() ? "" : " ", unit);
+}
+
+double corrected_deviation(const Estimate& estimate, const VerdictReport& verdict,
+                           std::size_t component) {
+  return std::sqrt(
+      std::max(0.0, estimate.lineage.variance(component) + verdict.extra_variance[component]));
 }
 
 std::string estimate_text(const Estimate& estimate, const VerdictReport& verdict) {
@@ -77,9 +87,9 @@ std::string estimate_text(const Estimate& estimate, const VerdictReport& verdict
         "  {:<12} {}", component.name,
         quantity_text(estimate.value[i], estimate.lineage.standard_deviation(i), component.unit));
     if (i < verdict.components.size() && verdict.components[i] != Verdict::linear_ok)
-      text += fmt::format("   ({}: bias {}, more std {})", verdict_name(verdict.components[i]),
-                          quantity_text(verdict.bias[i], component.unit),
-                          quantity_text(std::sqrt(verdict.extra_variance[i]), component.unit));
+      text += fmt::format("   ({}: second order {})", verdict_name(verdict.components[i]),
+                          quantity_text(estimate.value[i] + verdict.bias[i],
+                                        corrected_deviation(estimate, verdict, i), component.unit));
     text += "\n";
   }
   for (std::size_t i = 0; i < estimate.type->labels.size(); ++i) {
@@ -87,7 +97,9 @@ std::string estimate_text(const Estimate& estimate, const VerdictReport& verdict
     text += fmt::format("  {:<12} {}\n", label.name,
                         label.values[static_cast<std::size_t>(estimate.labels[i])]);
   }
-  return text + correlations_text(estimate);
+  text += correlations_text(estimate);
+  if (estimate.correlation_unknown) text += "  correlation  with other estimates unknown\n";
+  return text;
 }
 
 std::string budget_text(const Estimate& estimate, const SourceOwners& owners) {

@@ -16,9 +16,16 @@ struct ReadingUnit {
 };
 ReadingUnit reading_unit(const std::string& si_unit);
 
+/// How many places after the point show two digits of a standard deviation; 3 where it is 0.
+int decimal_places(double standard_deviation);
+
 /// An error such as "1.25 mm", or a value with its standard deviation: "930.0 ± 1.2 mm".
 std::string quantity_text(double value, const std::string& si_unit);
 std::string quantity_text(double value, double standard_deviation, const std::string& si_unit);
+
+/// A component's standard deviation to second order.
+double corrected_deviation(const Estimate& estimate, const VerdictReport& verdict,
+                           std::size_t component);
 
 /// Components with standard deviations, correlations, labels and the verdict, as lines.
 std::string estimate_text(const Estimate& estimate, const VerdictReport& verdict);

@@ -1,9 +1,14 @@
 // `ilss predict`: how late and how wrong a system's answer will be, without acquiring anything.
 #include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <limits>
 
 #include "framework/graph/value_reader.h"
 #include "src/estimate_json.h"
 #include "src/estimate_text.h"
+#include "src/prediction_text.h"
 #include "src/session.h"
 
 namespace ilss {
@@ -14,6 +19,9 @@ struct Arguments {
   std::vector<std::string> sets;
   std::vector<std::string> at;
   std::string profile;
+  std::size_t trials = 0;  ///< of Monte Carlo; 0: none asked for
+  std::uint64_t seed = 1;
+  bool budget = false;
   bool parallel = false;
   bool json = false;
 };
@@ -56,17 +64,80 @@ void report_fault(const System& system, std::size_t node) {
              fault.message, fault_name(fault.kind));
 }
 
-void print_text(const Plan& plan, const System& system, const std::vector<VerdictReport>& verdicts,
-                const TimePrediction& time) {
+/// A bar on stderr while the trials run, where that is a terminal; wiped when they are done.
+class ProgressBar {
+ public:
+  ProgressBar() : shown_(isatty(STDERR_FILENO) == 1) {}
+  ~ProgressBar() {
+    if (drawn_ >= 0) fmt::print(stderr, "\r{:{}}\r", "", width + 8);
+  }
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  void show(double done) {
+    const int percent = static_cast<int>(100 * done);
+    if (!shown_ || percent == drawn_) return;
+    drawn_ = percent;
+    const int filled = percent * width / 100;
+    fmt::print(stderr, "\r[{:#<{}}{:{}}] {:3} %", "", filled, "", width - filled, percent);
+    std::fflush(stderr);
+  }
+
+ private:
+  static constexpr int width = 50;
+  bool shown_;
+  int drawn_ = -1;
+};
+
+std::vector<MonteCarloOutput> draw_trials(const Arguments& arguments, const System& system,
+                                          const std::vector<std::size_t>& given) {
+  if (arguments.trials == 0) return {};
+  ProgressBar bar;
+  return run_monte_carlo(system, given,
+                         {.trials = arguments.trials,
+                          .seed = arguments.seed,
+                          .progress = [&bar](double done) { bar.show(done); }});
+}
+
+/// All that was found of a system's outputs.
+struct Prediction {
+  const System& system;
+  std::vector<VerdictReport> verdicts;
+  std::vector<MonteCarloOutput> monte_carlo;  ///< empty where none was asked for
+  TimePrediction time;
+};
+
+void print_text(const Arguments& arguments, const Prediction& prediction) {
+  const System& system = prediction.system;
+  const Plan& plan = system.plan();
   for (std::size_t o = 0; o < plan.outputs.size(); ++o) {
     const NodeState& state = system.node(plan.outputs[o]);
     if (!state.outcome.has_output()) continue;
     const Estimate& estimate = state.output.estimate;
-    fmt::print("{}: {}", plan.nodes[plan.outputs[o]].name, estimate_text(estimate, verdicts[o]));
+    fmt::print("{}: {}", plan.nodes[plan.outputs[o]].name,
+               estimate_text(estimate, prediction.verdicts[o]));
+    fmt::print("{}", degrees_of_freedom_text(estimate, plan.owners));
+    if (!prediction.monte_carlo.empty())
+      fmt::print("\nMonte Carlo, {} trials, seed {}\n{}", arguments.trials, arguments.seed,
+                 monte_carlo_text(estimate, prediction.monte_carlo[o]));
     const std::string shares = budget_text(estimate, plan.owners);
-    if (!shares.empty()) fmt::print("share of the variance\n{}", shares);
+    if (arguments.budget)
+      fmt::print("{}", budget_tables_text(estimate, plan.owners));
+    else if (!shares.empty())
+      fmt::print("share of the variance\n{}", shares);
   }
-  fmt::print("{}", time_text(time, plan));
+  fmt::print("{}", time_text(prediction.time, plan));
+}
+
+/// The outputs with what Monte Carlo found of each.
+Json outputs_with_trials(const Prediction& prediction) {
+  const Plan& plan = prediction.system.plan();
+  Json json = outputs_json(prediction.system, plan.owners, prediction.verdicts);
+  for (std::size_t o = 0; o < prediction.monte_carlo.size(); ++o) {
+    Json& one = plan.outputs.size() == 1 ? json : json["outputs"][o];
+    if (!one.is_null()) one["monte_carlo"] = monte_carlo_json(prediction.monte_carlo[o]);
+  }
+  return json;
 }
 
 /// Faults of the outputs that are not there.
@@ -93,9 +164,9 @@ int predict(const Arguments& arguments, Session& session) {
 
   System system(plan, 1, Folding::per_owner);
   system.expect(points);
-  const TimePrediction time =
-      predict_time(plan, arguments.parallel ? Execution::parallel : Execution::one_thread);
-  const auto verdicts = judge(system, given);
+  const Prediction prediction{
+      system, judge(system, given), draw_trials(arguments, system, given),
+      predict_time(plan, arguments.parallel ? Execution::parallel : Execution::one_thread)};
   std::size_t missing = 0;
   for (const std::size_t node : plan.outputs) {
     if (system.node(node).outcome.has_output()) continue;
@@ -107,12 +178,12 @@ int predict(const Arguments& arguments, Session& session) {
                "      a module's operating point can be given: --at 'NAME={{COMPONENT: "
                "{{value: ..., std: ...}}, ...}}'\n");
   if (arguments.json) {
-    Json json = {{"output", outputs_json(system, plan.owners, verdicts)}};
+    Json json = {{"output", outputs_with_trials(prediction)}};
     if (missing != 0) json["faults"] = faults_json(system);
-    json["time"] = time_json(time, plan);
+    json["time"] = time_json(prediction.time, plan);
     fmt::print("{}\n", json.dump(2));
   } else if (missing < plan.outputs.size()) {
-    print_text(plan, system, verdicts, time);
+    print_text(arguments, prediction);
   }
   return missing < plan.outputs.size() ? exit_fine : exit_failed;
 }
@@ -131,6 +202,15 @@ void add_predict(CLI::App& app, Session& session) {
   add_set_option(*verb, arguments->sets);
   verb->add_option("--profile", arguments->profile, "Module times measured by run --profile")
       ->type_name("FILE");
+  verb->add_option("--monte-carlo", arguments->trials,
+                   "Draw every source of error from its distribution so many times")
+      ->type_name("N")
+      ->transform(whole_number<std::size_t>(1, most_trials));
+  verb->add_option("--seed", arguments->seed, "Seed of Monte Carlo")
+      ->type_name("N")
+      ->transform(whole_number<std::uint64_t>(0, std::numeric_limits<std::uint64_t>::max()));
+  verb->add_flag("--budget", arguments->budget,
+                 "Who is to blame, a table a component, and what halving each source would bring");
   verb->add_flag("--parallel", arguments->parallel, "Branches run side by side");
   verb->add_flag("--json", arguments->json, "Print JSON");
   verb->callback([arguments, &session] { throw Exit{predict(*arguments, session)}; });

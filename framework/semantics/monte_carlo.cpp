@@ -136,9 +136,9 @@ void take_moments(const Offsets& output, const Estimate& first_order, MonteCarlo
   result.covariance.resize(m, m);
   for (Eigen::Index i = 0; i < m; ++i) {
     const auto& a = output.components[static_cast<std::size_t>(i)];
-    offset[i] = Eigen::Map<const Eigen::VectorXd>(a.data(), static_cast<Eigen::Index>(a.size()))
-                    .sum() /
-                trials;
+    offset[i] =
+        Eigen::Map<const Eigen::VectorXd>(a.data(), static_cast<Eigen::Index>(a.size())).sum() /
+        trials;
     for (Eigen::Index j = 0; j <= i; ++j) {
       const auto& b = output.components[static_cast<std::size_t>(j)];
       double sum = 0;
@@ -164,7 +164,8 @@ MonteCarloOutput summarise(Offsets& output, const Estimate& first_order, std::si
   for (std::size_t c = 0; c < output.components.size(); ++c) {
     const double deviation = first_order.lineage.standard_deviation(c);
     const double half_width = covered_deviations * deviation;
-    result.coverage.push_back(deviation > 0 ? share_within(output.components[c], 0, half_width) : nan);
+    result.coverage.push_back(deviation > 0 ? share_within(output.components[c], 0, half_width)
+                                            : nan);
     const Interval offsets = shortest_interval(output.components[c], 0.95);
     result.agreeing_digits.push_back(agreeing_digits(0, half_width, deviation, offsets));
     result.interval.push_back(
@@ -215,8 +216,8 @@ std::vector<MonteCarloOutput> run_monte_carlo(const System& system,
   Trials run(system, own.sources(), options.trials, options.seed);
   const std::size_t outputs = system.plan().outputs.size();
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
-  const auto threads = static_cast<std::size_t>(std::min<std::uint64_t>(
-      options.threads > 0 ? options.threads : cores, run.blocks()));
+  const auto threads = static_cast<std::size_t>(
+      std::min<std::uint64_t>(options.threads > 0 ? options.threads : cores, run.blocks()));
   std::atomic<std::size_t> next = 0;
   std::vector<Trials::Faults> faults(threads, no_faults(run, outputs));
   const auto work = [&](Perturbation& perturbation, std::size_t thread, bool tell) {
@@ -256,8 +257,8 @@ Interval shortest_interval(std::span<double> values, double probability) {
   const std::size_t n = values.size();
   if (n == 0) return {nan, nan};
   // The interval holds q values more than the one it starts at; both ends lie in the outer n - q.
-  const auto q = std::min(n - 1, static_cast<std::size_t>(
-                                     std::ceil(probability * static_cast<double>(n))));
+  const auto q =
+      std::min(n - 1, static_cast<std::size_t>(std::ceil(probability * static_cast<double>(n))));
   const std::size_t outer = n - q;
   const auto begin = values.begin();
   const auto at = [&](std::size_t i) { return begin + static_cast<std::ptrdiff_t>(i); };
@@ -278,8 +279,8 @@ Interval shortest_interval(std::span<double> values, double probability) {
 
 int agreeing_digits(double value, double half_width, double standard_uncertainty,
                     const Interval& other) {
-  const double worst = std::max(std::abs(value - half_width - other.low),
-                                std::abs(value + half_width - other.high));
+  const double worst =
+      std::max(std::abs(value - half_width - other.low), std::abs(value + half_width - other.high));
   if (standard_uncertainty <= 0) return worst == 0 ? 2 : 0;
   // The place of the uncertainty's first digit, after rounding to it.
   for (const int digits : {2, 1}) {

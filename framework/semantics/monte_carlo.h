@@ -62,8 +62,8 @@ std::vector<MonteCarloOutput> run_monte_carlo(const System& system, Perturbation
 /// 7.7); NaNs for none.
 Interval shortest_interval(std::span<double> values, double probability);
 
-/// The largest number of digits, up to 2, to which an interval of `half_width` around `value` agrees
-/// with another, in digits of the standard uncertainty (JCGM 101:2008, clause 8.1).
+/// The largest number of digits, up to 2, to which an interval of `half_width` around `value`
+/// agrees with another, in digits of the standard uncertainty (JCGM 101:2008, clause 8.1).
 int agreeing_digits(double value, double half_width, double standard_uncertainty,
                     const Interval& other);
 

@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t no_source = std::numeric_limits<std::size_t>::max();
 
 /// `to` = `from` + G e.
-void move(const Estimate& from, std::span<const std::size_t> places,
-          std::span<const double> errors, std::vector<double>& to) {
+void move(const Estimate& from, std::span<const std::size_t> places, std::span<const double> errors,
+          std::vector<double>& to) {
   std::copy(from.value.begin(), from.value.end(), to.begin());
   for (std::size_t k = 0; k < places.size(); ++k) {
     if (places[k] == no_source) continue;
@@ -56,8 +56,8 @@ Perturbation::Perturbation(const System& system, const std::vector<std::size_t>&
   for (std::size_t s = 0; s < steps_.size(); ++s) step_of_node_[steps_[s].node] = s;
   for (const Step& step : steps_) {
     const ModuleType& type = *plan.nodes[step.node].type;
-    with_lineages_ |= step.role == Role::redone &&
-                      (type.weighs_errors || type.kind == ModuleKind::estimator);
+    with_lineages_ |=
+        step.role == Role::redone && (type.weighs_errors || type.kind == ModuleKind::estimator);
   }
   for (Step& step : steps_) prepare(step);
   std::sort(sources_.begin(), sources_.end());
@@ -83,8 +83,7 @@ Perturbation::Role Perturbation::role_of(std::size_t node, bool cut, Redo redo) 
   bool any_new = false;
   for (const PlanInput& input : plan_node.inputs) {
     const Role role = steps_[step_of_node_[input.node]].role;
-    const bool has_samples =
-        system_.plan().nodes[input.node].interface.output->samples.has_value();
+    const bool has_samples = system_.plan().nodes[input.node].interface.output->samples.has_value();
     if (role == Role::moved && has_samples) return Role::moved;
     any_new |= role != Role::moved;
   }

@@ -109,7 +109,8 @@ class Probe {
     perturbation_.apply(errors_);
     Offsets result;
     for (ProbedOutput& output : outputs_) {
-      Eigen::VectorXd& offset = result.emplace_back(Eigen::VectorXd::Zero(output.directions.rows()));
+      Eigen::VectorXd& offset =
+          result.emplace_back(Eigen::VectorXd::Zero(output.directions.rows()));
       if (!output.there) continue;
       if (perturbation_.failed(output.node)) {
         output.meets_fault = true;
@@ -249,10 +250,12 @@ class Judgement {
       const bool is_component = r < estimate.dimension();
       const double variance = is_component ? estimate.lineage.variance(r) : 1.0;
       const double size = is_component ? sizes.at(estimate.type->components[r].unit) : 0.0;
-      const bool clear = is_clear(moments, variance, size);
+      const bool negligible = is_component && is_negligible(moments, r, variance);
+      const bool clear = negligible || is_clear(moments, variance, size);
       doubtful_ |= !clear;
       if (!is_component) continue;
       clear_.push_back(clear);
+      negligible_.push_back(negligible);
       report_.components.push_back(Verdict::linear_ok);
       report_.bias.push_back(moments.bias());
       report_.extra_variance.push_back(moments.second_order_variance() + moments.secant_variance -
@@ -269,8 +272,8 @@ class Judgement {
     const double fault_share = static_cast<double>(pilot.faults) / trials;
     if (pilot.trials == 0 || fault_share > largest_fault_share) {
       report_.verdict = Verdict::invalid;
-      report_.reason = fmt::format("{:.2g} % of all errors leave no answer: {}",
-                                   100 * fault_share, pilot.fault);
+      report_.reason =
+          fmt::format("{:.2g} % of all errors leave no answer: {}", 100 * fault_share, pilot.fault);
       return;
     }
     for (std::size_t c = 0; c < estimate_.dimension(); ++c) {
@@ -289,22 +292,35 @@ class Judgement {
   VerdictReport report() && { return std::move(report_); }
 
  private:
+  bool is_negligible(const Moments& moments, std::size_t component, double variance) const {
+    double largest = 0;
+    for (std::size_t c = 0; c < estimate_.dimension(); ++c)
+      if (estimate_.type->components[c].unit == estimate_.type->components[component].unit)
+        largest = std::max(largest, estimate_.lineage.variance(c));
+    const double bias = moments.bias();
+    return std::max(variance, moments.secant_variance) + moments.second_order_variance() +
+               bias * bias <=
+           negligible_error * negligible_error * largest;
+  }
+
   Verdict judge_component(std::size_t c, const MonteCarloOutput& pilot) const {
     const double variance = estimate_.lineage.variance(c);
     const double second_order = output_.moments[c].second_order_variance();
+    if (negligible_[c]) return Verdict::linear_ok;
     if (!clear_[c] && second_order > variance) return Verdict::monte_carlo_required;
     if (holds(pilot.coverage[c], pilot_tolerance)) return Verdict::linear_ok;
     const double corrected = variance + report_.extra_variance[c];
-    const double miss = corrected > 0 ? std::abs(pilot.coverage_around(
-                                                     c, report_.bias[c], std::sqrt(corrected)) -
-                                                 0.95)
-                                      : 1.0;
+    const double miss =
+        corrected > 0
+            ? std::abs(pilot.coverage_around(c, report_.bias[c], std::sqrt(corrected)) - 0.95)
+            : 1.0;
     return miss <= 2 * pilot_tolerance ? Verdict::second_order : Verdict::monte_carlo_required;
   }
 
   const ProbedOutput& output_;
   const Estimate& estimate_;
   std::vector<bool> clear_;
+  std::vector<bool> negligible_;
   bool doubtful_ = false;
   VerdictReport report_;
 };

@@ -22,10 +22,11 @@ std::string_view verdict_name(Verdict verdict);
 struct VerdictReport {
   Verdict verdict = Verdict::linear_ok;  ///< at least as bad as the components'
   std::string reason = {};               ///< of a verdict that no component alone explains
-  std::vector<Verdict> components;
-  std::vector<double> bias;            ///< second-order shift of the mean
-  std::vector<double> extra_variance;  ///< variance beyond the first-order one; may be negative
-  bool piloted = false;                ///< whether the second order was in doubt and trials drawn
+  std::vector<Verdict> components = {};
+  std::vector<double> bias = {};  ///< second-order shift of the mean
+  std::vector<double> extra_variance =
+      {};                ///< variance beyond the first-order one; may be negative
+  bool piloted = false;  ///< whether the second order was in doubt and trials drawn
 };
 
 /// First order is believed at once where, in every component and along every principal axis of the
@@ -40,7 +41,10 @@ inline constexpr double clear_excess_kurtosis = 0.5;
 inline constexpr std::size_t pilot_trials = 2000;
 /// ... and the share inside each 95 % interval, and inside the ellipsoid, may be off by this much;
 /// around the corrected mean by twice as much.
-inline constexpr double pilot_tolerance = 0.018;
+inline constexpr double pilot_tolerance = 0.02;
+/// A component whose whole error, to second order, is less than this part of the largest standard
+/// deviation among the output's components of its unit is not judged by itself.
+inline constexpr double negligible_error = 1e-3;
 /// A larger share of trials without an answer makes `invalid`.
 inline constexpr double largest_fault_share = 0.01;
 
