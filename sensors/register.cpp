@@ -6,6 +6,10 @@
 #include "sensors/camera/vision_line.h"
 #include "sensors/formula/expression.h"
 #include "sensors/formula/linear.h"
+#include "sensors/fusion/average.h"
+#include "sensors/fusion/consistency.h"
+#include "sensors/fusion/covariance_intersection.h"
+#include "sensors/fusion/fuse.h"
 #include "sensors/scene/scene_wall.h"
 #include "sensors/sonar/sonar.h"
 #include "sensors/wall/planar_transform.h"
@@ -15,7 +19,11 @@
 namespace ilss {
 
 void register_sensors(Registry& registry) {
+  registry.add<Average>();
   registry.add<Camera>();
+  registry.add<ConsistencyModule>();
+  registry.add<CovarianceIntersection>();
+  registry.add<Fuse>();
   registry.add(expression_type());
   registry.add(linear_type());
   registry.add<PlanarTransform>();
