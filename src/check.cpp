@@ -1,6 +1,7 @@
 // `ilss check`: every error of a graph at once, or its plan.
 #include <fmt/format.h>
 
+#include "framework/graph/correlation.h"
 #include "src/estimate_json.h"
 #include "src/session.h"
 
@@ -11,6 +12,14 @@ std::vector<std::string> input_names(const Plan& plan, const PlanNode& node) {
   std::vector<std::string> names;
   for (const PlanInput& input : node.inputs) names.push_back(plan.nodes[input.node].name);
   return names;
+}
+
+/// Where estimates of unknown correlation meet, a sentence each.
+std::vector<std::string> correlation_notes(const Plan& plan) {
+  std::vector<std::string> notes;
+  for (const UnknownCorrelation& unknown : plan.unknown_correlations)
+    notes.push_back(describe(unknown, plan));
+  return notes;
 }
 
 void print_text(const Plan& plan) {
@@ -25,6 +34,7 @@ void print_text(const Plan& plan) {
                node.frame.empty() ? "" : fmt::format(" in {}", node.frame));
   }
   for (const std::size_t output : plan.outputs) fmt::print("output: {}\n", plan.nodes[output].name);
+  for (const std::string& note : correlation_notes(plan)) fmt::print("note: {}\n", note);
 }
 
 void print_json(const Plan& plan) {
@@ -37,7 +47,11 @@ void print_json(const Plan& plan) {
                      {"frame", node.frame}});
   Json outputs = Json::array();
   for (const std::size_t output : plan.outputs) outputs.push_back(plan.nodes[output].name);
-  fmt::print("{}\n", Json{{"ilss", plan.name}, {"modules", nodes}, {"outputs", outputs}}.dump(2));
+  const Json plan_json = {{"ilss", plan.name},
+                          {"modules", nodes},
+                          {"outputs", outputs},
+                          {"unknown_correlations", correlation_notes(plan)}};
+  fmt::print("{}\n", plan_json.dump(2));
 }
 
 }  // namespace
