@@ -141,8 +141,13 @@ void compile(ExpressionOptions& options, Diagnostics& diagnostics) {
                       fmt::format("formula of '{}': {}", output.name.text, error.message));
     if (!errors.empty()) continue;
     options.tape.end_formula(result);
-    for (const std::string& problem : check_dimensions(
-             options.tape, options.tape.formulas().size() - 1, dimensions, output.dimension))
+    const std::size_t number = options.tape.formulas().size() - 1;
+    if (const auto trouble = options.tape.constant_trouble(number))
+      diagnostics.add(position_in(formula, 0),
+                      fmt::format("formula of '{}' has no finite value: {}", output.name.text,
+                                  options.tape.explain(*trouble, Tape::Workspace(options.tape))));
+    for (const std::string& problem :
+         check_dimensions(options.tape, number, dimensions, output.dimension))
       diagnostics.add(position_in(formula, 0),
                       fmt::format("formula of '{}' {}", output.name.text, problem));
   }

@@ -111,7 +111,7 @@ class DimensionCheck {
     if (tape_.nodes()[node.right].varies)
       return complain(fmt::format("raises {} to a power that varies; the exponent must be a number",
                                   base.dimension->name()));
-    return a(base.dimension->power(tape_.constant_value(node.right)));
+    return a(base.dimension->power(tape_.nodes()[node.right].constant));
   }
 
   Known of_angle(const Tape::Node& node, const Known& operand) {

@@ -244,7 +244,9 @@ class Scanner {
 FormulaError grammar_error(const mu::ParserError& error, const std::string& text) {
   const auto position = static_cast<std::size_t>(std::max(0, error.GetPos()));
   const std::size_t offset = std::min(position, text.size());
-  const std::string& token = error.GetToken();
+  // With all that follows, where it is an operator.
+  const bool is_operator = error.GetToken().find_first_of("+-*/^") == 0;
+  const std::string token = error.GetToken().substr(0, is_operator ? 1 : std::string::npos);
   switch (error.GetCode()) {
     case mu::ecUNEXPECTED_EOF:
       return {text.size(), "the formula ends too soon"};

@@ -137,7 +137,10 @@ Tape::Index Tape::add_radian() {
 }
 
 Tape::Index Tape::add(Operation operation, Index left, Index right) {
-  nodes_.push_back({operation, left, right, 0, nodes_[left].varies || nodes_[right].varies});
+  const bool varies = nodes_[left].varies || nodes_[right].varies;
+  const double constant =
+      varies ? 0 : apply(operation, nodes_[left].constant, nodes_[right].constant);
+  nodes_.push_back({operation, left, right, constant, varies});
   return static_cast<Index>(nodes_.size() - 1);
 }
 
@@ -156,13 +159,10 @@ bool Tape::uses(std::size_t argument) const {
                      [&](const Formula& formula) { return formula.result == argument; });
 }
 
-double Tape::constant_value(Index node) const {
-  std::vector<double> value(node + 1);
-  for (Index i = static_cast<Index>(arguments_); i <= node; ++i)
-    value[i] = nodes_[i].operation < Operation::add
-                   ? nodes_[i].constant
-                   : apply(nodes_[i].operation, value[nodes_[i].left], value[nodes_[i].right]);
-  return value[node];
+std::optional<Tape::Trouble> Tape::constant_trouble(std::size_t formula) const {
+  for (Index i = formulas_[formula].first; i < formulas_[formula].end; ++i)
+    if (!nodes_[i].varies && !std::isfinite(nodes_[i].constant)) return Trouble{formula, i, false};
+  return std::nullopt;
 }
 
 Tape::Workspace::Workspace(const Tape& tape)
@@ -181,7 +181,7 @@ std::optional<Tape::Trouble> Tape::evaluate(std::span<const double> arguments,
   double zero = 0;  // NaN once anything is not finite
   for (std::size_t i = arguments_; i < nodes_.size(); ++i) {
     const Node& node = nodes_[i];
-    if (node.operation < Operation::add) continue;  // set already
+    if (!node.varies) continue;  // set already
     value[i] = apply(node.operation, value[node.left], value[node.right]);
     zero += 0 * value[i];
   }

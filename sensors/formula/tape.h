@@ -55,7 +55,7 @@ class Tape {
     Operation operation;
     Index left = 0;       ///< of an argument: which
     Index right = 0;      ///< the left one again where there is but one operand
-    double constant = 0;  ///< of a constant
+    double constant = 0;  ///< the value of a node that does not vary
     bool varies = false;  ///< whether it depends on an argument
   };
   struct Formula {
@@ -78,8 +78,6 @@ class Tape {
   std::span<const Formula> formulas() const { return formulas_; }
   /// Whether a formula depends on the argument.
   bool uses(std::size_t argument) const;
-  /// The value of a node that does not vary.
-  double constant_value(Index node) const;
 
   /// A node of a formula that has no finite value, or no finite derivative by an operand.
   struct Trouble {
@@ -107,7 +105,9 @@ class Tape {
                                    std::span<double> jacobian, Workspace& workspace) const;
   /// Of a formula without a finite derivative, after `linearize`: the first node to blame.
   Trouble derivative_trouble(std::size_t formula, const Workspace& workspace) const;
-  /// In words, after an evaluation: "divides by zero".
+  /// Of a formula that has no finite value whatever its arguments.
+  std::optional<Trouble> constant_trouble(std::size_t formula) const;
+  /// In words, after an evaluation: "it divides by zero".
   std::string explain(const Trouble& trouble, const Workspace& workspace) const;
 
  private:
