@@ -49,18 +49,26 @@ Node map(const std::vector<std::pair<std::string, Node>>& entries) {
   return node;
 }
 
+/// One `--input`, and where it goes.
+struct GivenValue {
+  std::size_t input;  ///< of the interface
+  std::string node;   ///< what it is called in the graph
+  const PayloadDescriptor* payload;
+  Node value;
+};
+
 /// A graph of the module alone, fed by its given inputs: {inputs..., TYPE}.
 Node graph_around(const ModuleType& type, const std::string& name,
-                  const std::vector<std::string>& inputs) {
+                  const std::vector<GivenValue>& given) {
   std::vector<std::pair<std::string, Node>> modules;
   std::vector<Node> fed;
-  for (const std::string& input : inputs) {
-    modules.emplace_back(input, map({{"type", scalar("given " + input)}}));
-    fed.push_back(scalar(input));
+  for (const GivenValue& value : given) {
+    modules.emplace_back(value.node, map({{"type", scalar("given " + value.node)}}));
+    fed.push_back(scalar(value.node));
   }
   modules.emplace_back(name, map({{"type", scalar(type.name)}}));
   Node network = scalar(name);
-  if (!inputs.empty())
+  if (!given.empty())
     network = map({{"serial", list({map({{"combine", list(std::move(fed))}}), scalar(name)})}});
   return map({{"modules", map(modules)}, {"network", network}});
 }
@@ -73,27 +81,73 @@ const ModuleType& find_type(const Session& session, const std::string& name) {
   return *type;
 }
 
-/// What was given for each input by name; unknown and missing names are errors.
-std::map<std::string, Override> read_inputs(const Arguments& arguments, const Interface& interface,
-                                            Diagnostics& diagnostics) {
-  std::map<std::string, Override> given;
+/// The module's inputs under its parameters, which may name them. What is wrong with the parameters
+/// is said when the graph is read.
+Interface interface_under(const ModuleType& type, const std::vector<Override>& parameters) {
+  std::vector<std::pair<std::string, Node>> entries;
+  for (const Override& parameter : parameters)
+    entries.emplace_back(parameter.path, parameter.value);
+  const Node module = map(entries);
+  Settings settings;
+  Diagnostics said_later;
+  if (type.read_options) settings.options = type.read_options(&module, ".", said_later, {});
+  return type.interface(settings);
+}
+
+/// Takes the key `type` off a given value; returns the payload that it names, or the input's own.
+const PayloadDescriptor* take_payload(const InputDeclaration& input, Node& value,
+                                      const Registry& registry, Diagnostics& diagnostics) {
+  const bool any = input.payload == &any_payload();
+  for (std::size_t k = 0; value.is_map() && k < value.size(); ++k) {
+    if (value.keys[k].text != "type") continue;
+    const Node name = value.values[k];
+    value.keys.erase(value.keys.begin() + static_cast<std::ptrdiff_t>(k));
+    value.values.erase(value.values.begin() + static_cast<std::ptrdiff_t>(k));
+    const PayloadDescriptor* payload = registry.find_payload(name.text);
+    if (payload == nullptr)
+      diagnostics.add(name.position, fmt::format("there is no payload '{}'", name.text));
+    else if (!any && payload->name != input.payload->name)
+      diagnostics.add(name.position, fmt::format("input '{}' takes {}, not {}", input.name,
+                                                 input.payload->name, payload->name));
+    return any ? payload : input.payload;
+  }
+  if (!any) return input.payload;
+  diagnostics.add(value.position,
+                  fmt::format("input '{0}' takes any payload; say which one this is: --input "
+                              "'{0}={{type: PAYLOAD, ...}}'",
+                              input.name));
+  return nullptr;
+}
+
+/// What was given for each input, in the interface's order; unknown and missing names are errors.
+std::vector<GivenValue> read_inputs(const Arguments& arguments, const Interface& interface,
+                                    const Registry& registry, Diagnostics& diagnostics) {
+  std::vector<GivenValue> given;
   std::vector<std::string> names;
   for (const InputDeclaration& input : interface.inputs) names.push_back(input.name);
+  std::vector<std::size_t> count(names.size(), 0);
   for (const std::string& text : arguments.inputs) {
-    auto input = parse_override(text, "--input " + text, diagnostics);
-    if (!input) continue;
-    if (std::find(names.begin(), names.end(), input->path) == names.end())
-      diagnostics.add(input->position, fmt::format("{} has no input '{}'{}", arguments.type,
-                                                   input->path, suggestion(input->path, names)));
-    else if (given.contains(input->path))
-      diagnostics.add(input->position, fmt::format("input '{}' is given twice", input->path));
-    else
-      given.emplace(input->path, std::move(*input));
+    auto value = parse_override(text, "--input " + text, diagnostics);
+    if (!value) continue;
+    const auto found = std::find(names.begin(), names.end(), value->path);
+    const auto i = static_cast<std::size_t>(found - names.begin());
+    if (found == names.end()) {
+      diagnostics.add(value->position, fmt::format("{} has no input '{}'{}", arguments.type,
+                                                   value->path, suggestion(value->path, names)));
+    } else if (++count[i] > 1 && !interface.inputs[i].repeated) {
+      diagnostics.add(value->position, fmt::format("input '{}' is given twice", value->path));
+    } else {
+      const std::string node = count[i] == 1 ? names[i] : fmt::format("{}_{}", names[i], count[i]);
+      const auto* payload = take_payload(interface.inputs[i], value->value, registry, diagnostics);
+      given.push_back({i, node, payload, std::move(value->value)});
+    }
   }
-  for (const InputDeclaration& input : interface.inputs)
-    if (!given.contains(input.name) && diagnostics.empty())
-      fail(exit_bad_input, fmt::format("{} needs --input '{}=...' ({})", arguments.type, input.name,
-                                       input.payload->name));
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (count[i] == 0 && diagnostics.empty())
+      fail(exit_bad_input, fmt::format("{} needs --input '{}=...' ({})", arguments.type, names[i],
+                                       interface.inputs[i].payload->name));
+  std::stable_sort(given.begin(), given.end(),
+                   [](const GivenValue& a, const GivenValue& b) { return a.input < b.input; });
   return given;
 }
 
@@ -122,30 +176,28 @@ void print_result(const Arguments& arguments, const Plan& plan, const System& sy
 void evaluate(const Arguments& arguments, Session& session) {
   session.load_modules();
   const ModuleType& type = find_type(session, arguments.type);
-  const Interface interface = type.interface(Settings{});
   Diagnostics diagnostics;
-  const auto given = read_inputs(arguments, interface, diagnostics);
-  std::vector<std::string> inputs;
-  for (const InputDeclaration& input : interface.inputs) {
-    inputs.push_back(input.name);
-    session.registry.add(given_type("given " + input.name, *input.payload));
-  }
-  const bool name_taken = std::find(inputs.begin(), inputs.end(), type.name) != inputs.end();
-  const std::string name = name_taken ? "module" : type.name;
-  std::vector<Override> overrides;
+  std::vector<Override> parameters;
   for (const std::string& text : arguments.parameters)
-    if (auto parameter = parse_override(text, "--param " + text, diagnostics)) {
-      parameter->path = name + "." + parameter->path;
-      overrides.push_back(std::move(*parameter));
-    }
+    if (auto parameter = parse_override(text, "--param " + text, diagnostics))
+      parameters.push_back(std::move(*parameter));
+  const std::vector<GivenValue> given =
+      read_inputs(arguments, interface_under(type, parameters), session.registry, diagnostics);
+  std::string name = type.name;
+  for (const GivenValue& value : given) {
+    if (value.payload == nullptr) report_and_exit(diagnostics);
+    session.registry.add(given_type("given " + value.node, *value.payload));
+    if (value.node == type.name) name = "module";
+  }
+  for (Override& parameter : parameters) parameter.path = name + "." + parameter.path;
   auto plan =
-      build_plan(graph_around(type, name, inputs), ".", session.registry, overrides, diagnostics);
+      build_plan(graph_around(type, name, given), ".", session.registry, parameters, diagnostics);
   if (!plan) report_and_exit(diagnostics);
   std::map<std::size_t, System::OperatingPoint> points;
-  for (const auto& [input, value] : given) {
-    const std::size_t node = *plan->find(input);
-    auto estimate = read_estimate(value.value, *plan->nodes[node].interface.output, input,
-                                  plan->owners, diagnostics);
+  for (const GivenValue& value : given) {
+    const std::size_t node = *plan->find(value.node);
+    auto estimate =
+        read_estimate(value.value, *value.payload, value.node, plan->owners, diagnostics);
     if (estimate) points[node] = {Output{std::move(estimate->estimate)}, true};
   }
   if (!diagnostics.empty()) report_and_exit(diagnostics);
@@ -164,8 +216,8 @@ void add_eval(CLI::App& app, Session& session) {
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
   verb->add_option("--input", arguments->inputs,
-                   "An input: NAME={COMPONENT: {value, std}, ...}, or "
-                   "NAME={value: {...}, covariance: [[...]]}")
+                   "An input: NAME={COMPONENT: {value, std}, ...}, or NAME={value: {...}, "
+                   "covariance: [[...]]}; with type: PAYLOAD where the module takes any")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
   verb->add_flag("--json", arguments->json, "Print JSON");
