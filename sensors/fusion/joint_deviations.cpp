@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace ilss {
 namespace {
@@ -14,14 +15,35 @@ constexpr double rank_tolerance = 1e-10;
 /// Sine of the angle between constraints that are taken for one (11.5 degrees).
 constexpr double nearest_constraints = 0.2;
 
+/// The size of the numbers that a component was computed from, to which rounding is relative.
+double size_of(std::span<const Output* const> inputs, const std::string& unit) {
+  double size = 0;
+  for (const Output* input : inputs)
+    for (std::size_t c = 0; c < input->estimate.dimension(); ++c) {
+      const Component& component = input->estimate.type->components[c];
+      if (component.unit != unit) continue;
+      size = std::max(size, std::abs(input->estimate.value[c]));
+      if (component.circular) size = std::max(size, std::numbers::pi);
+    }
+  return size;
+}
+
+/// The standard deviation of a component; 0 where it is but rounding of what cancelled.
+double deviation_of(const Output& input, std::size_t component, double size) {
+  constexpr double rounding = 1e-14;
+  const double deviation = input.estimate.lineage.standard_deviation(component);
+  return deviation > rounding * size ? deviation : 0;
+}
+
 Eigen::VectorXd scale_of(std::span<const Output* const> inputs) {
   const std::vector<Component>& components = inputs.front()->estimate.type->components;
-  const auto m = static_cast<Eigen::Index>(components.size());
-  Eigen::VectorXd largest = Eigen::VectorXd::Zero(m);
-  for (const Output* input : inputs)
-    for (Eigen::Index c = 0; c < m; ++c)
-      largest[c] = std::max(
-          largest[c], input->estimate.lineage.standard_deviation(static_cast<std::size_t>(c)));
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(components.size()));
+  for (std::size_t c = 0; c < components.size(); ++c) {
+    const double size = size_of(inputs, components[c].unit);
+    double& component = largest[static_cast<Eigen::Index>(c)];
+    for (const Output* input : inputs)
+      component = std::max(component, deviation_of(*input, c, size));
+  }
   Eigen::VectorXd scale = largest;
   for (std::size_t a = 0; a < components.size(); ++a)
     for (std::size_t b = 0; b < components.size(); ++b)
@@ -116,16 +138,6 @@ bool only_tilts_constraints(const Eigen::VectorXd& direction, Eigen::Index dimen
 
 std::string quantity(double value, const Component& component) {
   return fmt::format("{:.3g}{}", value, component.unit == "1" ? "" : " " + component.unit);
-}
-
-/// The size of the numbers that a component was computed from, to which rounding is relative.
-double size_of(std::span<const Output* const> inputs, const std::string& unit) {
-  double size = 0;
-  for (const Output* input : inputs)
-    for (std::size_t c = 0; c < input->estimate.dimension(); ++c)
-      if (input->estimate.type->components[c].unit == unit)
-        size = std::max(size, std::abs(input->estimate.value[c]));
-  return size;
 }
 
 /// Two inputs that both claim to be exact and differ.
