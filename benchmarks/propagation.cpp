@@ -124,7 +124,7 @@ void compose_6x6_32_sources(benchmark::State& state) {
   Eigen::MatrixXd covariance(6, 6);
   for (auto _ : state) {
     compose(list, 6, out);
-    if (with_covariance) covariance = out.covariance();
+    if (with_covariance) out.covariance(covariance);
     benchmark::DoNotOptimize(covariance.data());
     benchmark::DoNotOptimize(out.column(0).data());
     benchmark::ClobberMemory();

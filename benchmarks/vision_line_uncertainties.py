@@ -20,7 +20,7 @@ def vision_line(height, y_l, y_c, y_r):
 
 
 def time_of(height):
-    rows = [ufloat(y, 10e-6) for y in (1.2e-3, 1.0e-3, 0.9e-3)]
+    rows = [ufloat(y, 10e-6) for y in (1.05e-3, 1.0e-3, 0.97e-3)]
     rounds, times = 200, []
     for _ in range(15):
         start = time.perf_counter_ns()

@@ -55,6 +55,18 @@ void multiply(const double* jacobian, const double* in, std::size_t rows, std::s
   }
 }
 
+/// out = G Gᵀ of a factor of `Rows` rows, column-major.
+template <std::size_t Rows>
+void square_fixed(const double* factor, std::size_t columns, Eigen::Ref<Eigen::MatrixXd> out) {
+  std::array<double, Rows * Rows> sum{};
+  for (std::size_t k = 0; k < columns; ++k, factor += Rows)
+    for (std::size_t j = 0; j < Rows; ++j)
+      for (std::size_t i = 0; i < Rows; ++i) sum[j * Rows + i] += factor[i] * factor[j];
+  for (std::size_t j = 0; j < Rows; ++j)
+    for (std::size_t i = 0; i < Rows; ++i)
+      out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = sum[j * Rows + i];
+}
+
 /// F with F Fᵀ = covariance: by Cholesky, and where that is singular the symmetric square root,
 /// which rounding cannot make indefinite.
 template <typename Matrix>
@@ -141,8 +153,26 @@ void Lineage::add_noise(Source first, const Eigen::Ref<const Eigen::MatrixXd>& c
 }
 
 Eigen::MatrixXd Lineage::covariance() const {
-  const auto g = factor();
-  return g * g.transpose();
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(dimension_), static_cast<Eigen::Index>(dimension_));
+  covariance(out);
+  return out;
+}
+
+void Lineage::covariance(Eigen::Ref<Eigen::MatrixXd> out) const {
+  switch (dimension_) {
+    case 1:
+      return square_fixed<1>(factor_.data(), size(), out);
+    case 2:
+      return square_fixed<2>(factor_.data(), size(), out);
+    case 3:
+      return square_fixed<3>(factor_.data(), size(), out);
+    case 4:
+      return square_fixed<4>(factor_.data(), size(), out);
+    case 6:
+      return square_fixed<6>(factor_.data(), size(), out);
+    default:
+      out.noalias() = factor() * factor().transpose();
+  }
 }
 
 double Lineage::variance(std::size_t component) const {

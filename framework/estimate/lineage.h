@@ -46,6 +46,8 @@ class Lineage {
   void add_noise(Source first, const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
   Eigen::MatrixXd covariance() const;
+  /// The same into a matrix that is there already (M x M).
+  void covariance(Eigen::Ref<Eigen::MatrixXd> out) const;
   double variance(std::size_t component) const;
   double standard_deviation(std::size_t component) const;
 

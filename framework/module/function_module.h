@@ -158,14 +158,15 @@ class FunctionModule final : public Module {
   Outcome<> evaluate_linearized(const Evaluation& evaluation, Output& output) const {
     static constexpr std::size_t columns = all_columns - First;
     Linearization<rows, columns> linear;
+    [[maybe_unused]] std::array<double, rows * all_columns> jacobian;
+    const double* derivatives = linear.jacobian.data();
     if constexpr (requires(const OutDouble& value) { exact_jacobian(evaluation, value, {}); }) {
       auto value = std::apply([&](const auto&... payloads) { return formula_(payloads...); },
                               double_arguments(evaluation));
       if (value.is_fault()) return value.fault();
       if (value.is_pending()) return Pending{};
-      std::array<double, rows * all_columns> jacobian{};
       exact_jacobian(evaluation, *value, jacobian);
-      std::copy_n(jacobian.begin() + rows * First, rows * columns, linear.jacobian.begin());
+      derivatives = jacobian.data() + rows * First;
       const auto scalars = components(std::as_const(*value));
       std::copy_n(scalars.begin(), rows, linear.value.begin());
       copy_labels(*value, output);
@@ -176,17 +177,15 @@ class FunctionModule final : public Module {
       read_linearization<rows, columns>(components(*value), linear);
       copy_labels(*value, output);
     }
-    for (const double derivative : linear.jacobian)
-      if (!std::isfinite(derivative))
-        return Fault{FaultKind::not_finite, "the formula has no finite derivative here"};
+    if (!all_finite({derivatives, rows * columns}))
+      return Fault{FaultKind::not_finite, "the formula has no finite derivative here"};
     output.estimate.value.assign(linear.value.begin(), linear.value.end());
     std::array<LineageTerm, Signature::arguments> terms;
     std::size_t count = 0;
     std::size_t column = 0;
     for (std::size_t a = 0; a < Signature::arguments; ++a) {
       if (column >= First)
-        terms[count++] = {linear.jacobian.data() + rows * (column - First),
-                          &argument(evaluation, a).lineage};
+        terms[count++] = {derivatives + rows * (column - First), &argument(evaluation, a).lineage};
       column += Signature::dimensions[a];
     }
     compose({terms.data(), count}, rows, output.estimate.lineage);
@@ -223,10 +222,16 @@ class FunctionModule final : public Module {
     return sums[0] + sums[1] + sums[2] + sums[3];
   }
 
+  /// Without a branch an entry: infinities and NaNs turn the sum of zeros into NaN.
+  static bool all_finite(std::span<const double> numbers) {
+    double zero = 0;
+    for (const double x : numbers) zero += 0 * x;
+    return zero == 0;
+  }
+
   static Outcome<> check_finite(const Output& output) {
-    for (const double x : output.estimate.value)
-      if (!std::isfinite(x))
-        return Fault{FaultKind::not_finite, "the formula's result is not finite"};
+    if (!all_finite(output.estimate.value))
+      return Fault{FaultKind::not_finite, "the formula's result is not finite"};
     return {};
   }
 

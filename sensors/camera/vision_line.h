@@ -60,6 +60,47 @@ class VisionLine {
     return WallPoints<T>{T(0.0), z_c, parameters.point_spacing * cosine,
                          z_c - parameters.point_spacing * sine};
   }
+
+  /// Exact derivatives: d cos alpha = -tan alpha d sin alpha, so whatever changes sin alpha moves
+  /// the second point by (-s tan alpha, -s) d sin alpha.
+  void jacobian(const Parameters<double>& parameters, const TargetRows<double>& rows,
+                const WallPoints<double>& points, std::span<double> out) const {
+    // Few divisions: they are what this costs.
+    const double spacing = parameters.point_spacing;
+    const double scale = parameters.focal_length * parameters.target_height;
+    const double per_scale = 1 / scale;
+    const double per_height = parameters.focal_length * per_scale;
+    const double per_focal_length = parameters.target_height * per_scale;
+    const double per_stripe_spacing = 1 / parameters.stripe_spacing;
+    const double z_l = scale / rows.y_l;
+    const double z_r = scale / rows.y_r;
+    const double sine = (z_l - z_r) * per_stripe_spacing;
+    const double cosine = std::sqrt(1.0 - sine * sine);
+    const double tangent = sine / cosine;
+    // How z_c and sin alpha change with each argument, parameters first; dz/dy = -z² / (f Y0).
+    const double depth[] = {points.z1 * per_height,
+                            0,
+                            points.z1 * per_focal_length,
+                            0,
+                            0,
+                            -points.z1 * points.z1 * per_scale,
+                            0};
+    const double turn[] = {sine * per_height,
+                           -sine * per_stripe_spacing,
+                           sine * per_focal_length,
+                           0,
+                           -z_l * z_l * per_scale * per_stripe_spacing,
+                           0,
+                           z_r * z_r * per_scale * per_stripe_spacing};
+    constexpr std::size_t of_spacing = 3;
+    for (std::size_t k = 0; k < std::size(depth); ++k) {
+      double* column = out.data() + 4 * k;
+      column[0] = 0;
+      column[1] = depth[k];
+      column[2] = -spacing * tangent * turn[k] + (k == of_spacing ? cosine : 0);
+      column[3] = depth[k] - spacing * turn[k] - (k == of_spacing ? sine : 0);
+    }
+  }
 };
 
 }  // namespace ilss

@@ -86,9 +86,10 @@ TEST(MonteCarlo, DrawsEveryLawWithItsStandardDeviation) {
   const double triangular = (1 - std::sqrt(0.05)) * std::sqrt(6.0);
   // t of 5 degrees of freedom: its 97.5 % quantile 2.5706 over sqrt(5 / 3) (JCGM 100, table G.2).
   const double t = 2.5706 / std::sqrt(5.0 / 3.0);
-  for (const Case& law : {Case{"std: 1 m", 1.95996}, Case{"std: 1 m, distribution: uniform", uniform},
-                          Case{"std: 1 m, distribution: triangular", triangular},
-                          Case{"std: 1 m, distribution: t, degrees_of_freedom: 5", t}}) {
+  for (const Case& law :
+       {Case{"std: 1 m", 1.95996}, Case{"std: 1 m, distribution: uniform", uniform},
+        Case{"std: 1 m, distribution: triangular", triangular},
+        Case{"std: 1 m, distribution: t, degrees_of_freedom: 5", t}}) {
     SCOPED_TRACE(law.error);
     const MonteCarloOutput result = run(law_of(law.error), {.trials = 1'000'000});
     EXPECT_NEAR(result.covariance(0, 0), 1, 0.01);
@@ -107,8 +108,9 @@ TEST(MonteCarlo, DrawsTheArcsineLawBetweenItsEnds) {
 TEST(MonteCarlo, DrawsWhatAFileHolds) {
   const test::Folder folder;
   folder.write("die.csv", "eyes\n1\n2\n3\n4\n5\n6\n1\n2\n3\n4\n5\n6\n");
-  const Plan plan = law_of("std: 1 m, distribution: {samples: " +
-                           (folder.path() / "die.csv").string() + ", column: eyes}");
+  const Plan plan =
+      law_of("std: 1 m, distribution: {samples: " + (folder.path() / "die.csv").string() +
+             ", column: eyes}");
   System system(plan, 1);
   system.expect({});
   const MonteCarloOutput result = run_monte_carlo(system, {}, {.trials = 10'000}).at(0);

@@ -30,6 +30,31 @@ FaultKind fault_of(const TargetRows<double>& input) {
   return outcome.is_fault() ? outcome.fault().kind : FaultKind::internal;
 }
 
+TEST(VisionLine, ExactJacobianIsTheAutomaticOne) {
+  const FunctionModule<VisionLine> module{VisionLine()};
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int i = 0; i < 2000; ++i) {
+    const double depth = 0.5 + 3 * unit(random);
+    const double sine = 1.8 * unit(random) - 0.9;
+    const Estimate p = parameters(0.1 + unit(random), 0.3, 6e-3, 0.5 + unit(random));
+    const double scale = p.value[0] * p.value[2];
+    const Output input =
+        rows(scale / (depth + 0.15 * sine), scale / depth, scale / (depth - 0.15 * sine), 1e-5);
+    const Output* inputs[] = {&input};
+    const auto automatic = module.differentiate({.parameters = p, .inputs = inputs});
+    ASSERT_TRUE(automatic);
+    std::array<double, 28> exact{};
+    VisionLine().jacobian(
+        payload_of<VisionLine::Parameters>(p), payload_of<TargetRows>(input.estimate),
+        {automatic->value[0], automatic->value[1], automatic->value[2], automatic->value[3]},
+        exact);
+    for (std::size_t k = 0; k < exact.size(); ++k)
+      ASSERT_NEAR(exact[k], automatic->jacobian[k], 1e-11 * (1 + std::abs(exact[k])))
+          << "run " << i << ", entry " << k;
+  }
+}
+
 TEST(VisionLine, GivesThePapersExampleWithTheRightChainRule) {
   // Henderson & Dekhil 1997, sec. 2.2: f = 1 mm, Y0 = 500 mm, D0 = 300 mm, y = 10 mm, variance
   // 1 mm² each: {0, 25, 0, 25} mm². The printed L_alpha, without 1 / D0², would give 75 for z2.
