@@ -35,7 +35,7 @@ TEST(Average, RandomErrorsAverageOutAndSystematicOnesDoNot) {
     const ModuleRun result = run_on(average, {reading}, tick);
     ASSERT_TRUE(result.outcome);
     sum += reading.estimate.value[0];
-    const double n = static_cast<double>(tick + 1);
+    const auto n = static_cast<double>(tick + 1);
     EXPECT_NEAR(result.output.estimate.value[0], sum / n, 1e-12);
     EXPECT_NEAR(random_deviation(result.output.estimate.lineage), 0.2 / std::sqrt(n), 1e-12);
     EXPECT_NEAR(systematic_deviation(result.output.estimate.lineage), 0.03, 1e-12);

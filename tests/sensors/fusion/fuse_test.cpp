@@ -217,6 +217,7 @@ TEST(Fuse, LineageIsWhatMovingEachSourceDoes) {
     std::vector<Output> inputs;
     for (const Lineage& lineage : lineages) drawn(pose(), truth, lineage, errors);
     errors.move(source, amount);
+    inputs.reserve(lineages.size());
     for (const Lineage& lineage : lineages) inputs.push_back(drawn(pose(), truth, lineage, errors));
     return fused(inputs);
   };
@@ -295,6 +296,7 @@ TEST(Fuse, TiltedTangentPlanesOfACurvedPayloadAreNotTakenForExact) {
       std::vector<Output> walls;
       for (std::uint32_t i = 0; i < 2; ++i) {
         std::vector<double> rows;
+        rows.reserve(depths.size());
         for (const double depth : depths) rows.push_back(0.2 * 0.006 / depth);
         const Output seen =
             drawn(descriptor<TargetRows>(), rows,
