@@ -72,7 +72,7 @@ TEST(CovarianceIntersection, BoundHoldsForAnyJointCovarianceOfThreeInputs) {
     std::vector<Output> inputs;
     for (std::uint32_t i = 0; i < 3; ++i) {
       inputs.push_back(output_of<Pose>({1, 2, 3}));
-      inputs.back().estimate.lineage = lineage_of(80 + i, joint.middleRows(3 * i, 3));
+      inputs.back().estimate.lineage = lineage_of(80 + i, joint.middleRows(Eigen::Index{3} * i, 3));
     }
     const Estimate stated = intersected(inputs);
     // The gains, column by column, from what moving an input does.
@@ -82,7 +82,7 @@ TEST(CovarianceIntersection, BoundHoldsForAnyJointCovarianceOfThreeInputs) {
         const double step = 1e-3;
         std::vector<Output> shifted = inputs;
         shifted[i].estimate.value[c] += step;
-        moved.col(3 * i + static_cast<Eigen::Index>(c)) =
+        moved.col(Eigen::Index{3} * i + static_cast<Eigen::Index>(c)) =
             difference(intersected(shifted), stated.value) / step;
       }
     const Eigen::MatrixXd spare =
@@ -206,7 +206,7 @@ TEST(CovarianceIntersection, IsWhatFuseDoesWhenThePlanSaysSo) {
   Fuse fuse;
   const std::vector<Output> inputs = {length_of(1, 0.1, 5), length_of(1.05, 0.12, 6)};
   Tick tick;
-  tick.inputs = {&inputs[0], &inputs[1]};
+  for (const Output& input : inputs) tick.inputs.push_back(&input);
   Output output;
   const Evaluation known = tick.evaluation();
   const Evaluation unknown{known.tick,       known.time,   known.seed, known.owner,
