@@ -111,7 +111,7 @@ ExpressionOptions read_expression_options(const Node* module, Diagnostics& diagn
 Position position_in(const FormulaText& formula, std::size_t offset) {
   Position position = formula.position;
   const int shift = static_cast<int>(offset) + (formula.quoted ? 1 : 0);
-  if (position.file == nullptr) return position;
+  if (position.file == nullptr || formula.text.find('\n') != std::string::npos) return position;
   std::ifstream file(*position.file);
   std::string line;
   for (int i = 0; file && i < position.line; ++i) std::getline(file, line);

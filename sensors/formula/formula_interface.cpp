@@ -156,6 +156,7 @@ FormulaArguments make_arguments(const FormulaInterface& interface, const Connect
 void report_unused(const FormulaInterface& interface, const FormulaArguments& arguments,
                    const std::function<bool(std::size_t)>& used, Diagnostics& diagnostics) {
   const auto report = [&](const PlacedName& name, std::size_t first, std::size_t end) {
+    if (!is_formula_name(name.text) || is_formula_word(name.text)) return;  // which was said
     for (std::size_t a = first; a < end; ++a)
       if (used(a)) return;
     diagnostics.add(name.position, fmt::format("'{}' is not used", name.text));

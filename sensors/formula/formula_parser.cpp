@@ -289,7 +289,9 @@ std::vector<FormulaError> parse_formula(const std::string& text, const ArgumentN
   std::vector<double> numbers;
   numbers.reserve(names.size() + 2);
   const auto define = [&](const std::string& name, Tape::Index node) {
-    if (name.find_first_not_of(parser.ValidNameChars()) != std::string::npos) return;
+    if (name.find_first_of(letters) != 0 ||
+        name.find_first_not_of(parser.ValidNameChars()) != std::string::npos)
+      return;  // no formula can name it
     numbers.push_back(number_of(node));
     parser.DefineVar(name, &numbers.back());
   };
