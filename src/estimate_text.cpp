@@ -48,6 +48,13 @@ ReadingUnit reading_unit(const std::string& si_unit) {
   return {si_unit, 1};
 }
 
+std::string decimal_text(double value, int places) {
+  std::string number = fmt::format("{:.{}f}", value, places);
+  if (number.starts_with('-') && number.find_first_not_of("-0.") == std::string::npos)
+    number.erase(0, 1);
+  return number;
+}
+
 int decimal_places(double standard_deviation) {
   if (standard_deviation <= 0) return 3;
   return std::clamp(1 - static_cast<int>(std::floor(std::log10(standard_deviation))), 0, 12);
@@ -63,11 +70,8 @@ std::string quantity_text(double value, double standard_deviation, const std::st
   // The value to the same place as its standard deviation.
   const double shown = standard_deviation * factor;
   const int digits = decimal_places(shown);
-  std::string number = fmt::format("{:.{}f}", value * factor, digits);
-  // A negative number that rounds to 0 is shown as 0.
-  if (number.starts_with('-') && number.find_first_not_of("-0.") == std::string::npos)
-    number.erase(0, 1);
-  return fmt::format("{} ± {:.{}f}{}{}", number, shown, digits, unit.empty() ? "" : " ", unit);
+  return fmt::format("{} ± {:.{}f}{}{}", decimal_text(value * factor, digits), shown, digits,
+                     unit.empty() ? "" : " ", unit);
 }
 
 double corrected_deviation(const Estimate& estimate, const VerdictReport& verdict,

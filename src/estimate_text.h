@@ -19,6 +19,9 @@ ReadingUnit reading_unit(const std::string& si_unit);
 /// How many places after the point show two digits of a standard deviation; 3 where it is 0.
 int decimal_places(double standard_deviation);
 
+/// A number with so many places; one that rounds to 0 has no sign.
+std::string decimal_text(double value, int places);
+
 /// An error such as "1.25 mm", or a value with its standard deviation: "930.0 ± 1.2 mm".
 std::string quantity_text(double value, const std::string& si_unit);
 std::string quantity_text(double value, double standard_deviation, const std::string& si_unit);

@@ -85,6 +85,7 @@ const ModuleType& find_type(const Session& session, const std::string& name) {
 /// is said when the graph is read.
 Interface interface_under(const ModuleType& type, const std::vector<Override>& parameters) {
   std::vector<std::pair<std::string, Node>> entries;
+  entries.reserve(parameters.size());
   for (const Override& parameter : parameters)
     entries.emplace_back(parameter.path, parameter.value);
   const Node module = map(entries);

@@ -18,7 +18,7 @@ constexpr double rounding = 1e-12;
 
 /// A number to as many places as its standard deviation has two digits.
 std::string to_places_of(double value, double standard_deviation) {
-  return fmt::format("{:.{}f}", value, decimal_places(standard_deviation));
+  return decimal_text(value, decimal_places(standard_deviation));
 }
 
 std::string percent(double share) {

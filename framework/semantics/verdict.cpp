@@ -280,6 +280,7 @@ class Judgement {
       report_.components[c] = judge_component(c, pilot);
       report_.verdict = std::max(report_.verdict, report_.components[c]);
     }
+    if (report_.verdict == Verdict::monte_carlo_required) explain_required();
     if (report_.verdict != Verdict::linear_ok || holds(pilot.joint_coverage, pilot_tolerance))
       return;
     report_.verdict = Verdict::second_order;
@@ -292,6 +293,17 @@ class Judgement {
   VerdictReport report() && { return std::move(report_); }
 
  private:
+  /// Where it is not curvature, it is the law of a source.
+  void explain_required() {
+    for (std::size_t c = 0; c < report_.components.size(); ++c) {
+      const double variance = estimate_.lineage.variance(c);
+      const bool unlike_normal = std::abs(output_.moments[c].excess_kurtosis) >
+                                 clear_excess_kurtosis * variance * variance;
+      if (report_.components[c] == Verdict::monte_carlo_required && unlike_normal)
+        report_.reason = "sources whose law is not normal make most of the error";
+    }
+  }
+
   bool is_negligible(const Moments& moments, std::size_t component, double variance) const {
     double largest = 0;
     for (std::size_t c = 0; c < estimate_.dimension(); ++c)

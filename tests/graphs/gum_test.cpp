@@ -5,6 +5,8 @@
 
 #include "framework/estimate/budget.h"
 #include "framework/graph/system.h"
+#include "framework/semantics/monte_carlo.h"
+#include "framework/semantics/verdict.h"
 #include "sensors/register.h"
 
 namespace ilss {
@@ -136,6 +138,95 @@ TEST(ComparisonLoss, FirstOrderOfCorrelatedInputsIsTheSame) {  // x2 = 0: the co
                           {fmt::format("constants.x.value.x1={}", x1)});
     EXPECT_NEAR(loss.deviation(), 2 * x1 * 0.005, 1e-15) << x1;
   }
+}
+
+/// Half the length of the shortest 95 % interval of the first output.
+double half_interval(const GumExample& example, std::size_t trials) {
+  const MonteCarloOutput drawn = run_monte_carlo(example.system(), {}, {.trials = trials}).at(0);
+  return (drawn.interval.at(0).high - drawn.interval.at(0).low) / 2;
+}
+
+TEST(GaugeBlock, SecondOrderTermsAndDegreesOfFreedom) {  // H.1.6, H.1.7 and F.2 of JCGM 100
+  const auto corrected = [](const GumExample& example) {
+    const VerdictReport report = judge(example.system()).at(0);
+    return std::sqrt(example.estimate().lineage.variance(0) + report.extra_variance.at(0)) /
+           nanometre;
+  };
+  const GumExample gauge("gauge_block");
+  EXPECT_EQ(printed(corrected(gauge), 0), "34");
+  // With the guide's u(theta), rounded from 0.406 to 0.41 K, two more digits are its own.
+  EXPECT_EQ(
+      printed(corrected(GumExample("gauge_block", {"constants.temperature.std=0.20760 K"})), 2),
+      "33.84");
+  const double degrees =
+      effective_degrees_of_freedom(budget(gauge.estimate().lineage), gauge.plan().owners, 0);
+  EXPECT_EQ(std::floor(degrees), 16);                        // 16.7, which the guide truncates
+  EXPECT_EQ(printed(coverage_factor(16, 0.99), 2), "2.92");  // t_99(16) of H.1.7
+}
+
+TEST(GaugeBlock, MonteCarloAgreesWithSecondOrder) {
+  const GumExample gauge("gauge_block");
+  const MonteCarloOutput drawn = run_monte_carlo(gauge.system(), {}, {.trials = 1'000'000}).at(0);
+  EXPECT_EQ(printed(std::sqrt(drawn.covariance(0, 0)) / nanometre, 0), "34");
+  EXPECT_EQ(printed(drawn.mean[0] / nanometre, 0), "50000838");
+}
+
+TEST(Additive, MonteCarloIntervals) {  // JCGM 101, tables 2 to 4
+  EXPECT_EQ(printed(half_interval(GumExample("additive_normal"), 4'000'000), 2), "3.92");
+  EXPECT_EQ(printed(half_interval(GumExample("additive_uniform"), 4'000'000), 2), "3.88");
+  EXPECT_EQ(printed(half_interval(GumExample("additive_dominant"), 1'000'000), 1), "17.0");
+}
+
+TEST(Additive, OneUniformErrorThatDominatesIsNoNormalOne) {
+  EXPECT_EQ(judge(GumExample("additive_normal").system()).at(0).verdict, Verdict::linear_ok);
+  EXPECT_EQ(judge(GumExample("additive_uniform").system()).at(0).verdict, Verdict::linear_ok);
+  const VerdictReport report = judge(GumExample("additive_dominant").system()).at(0);
+  EXPECT_EQ(report.verdict, Verdict::monte_carlo_required);
+  EXPECT_NE(report.reason.find("not normal"), std::string::npos) << report.reason;
+}
+
+/// Mean and standard deviation of the comparison loss in 1e-6. It is quadratic, so that the second
+/// order is exact, and Monte Carlo must agree with it as its number of trials allows.
+std::string loss_moments(const GumExample& loss) {
+  const VerdictReport report = judge(loss.system()).at(0);
+  const double mean = loss.value() + report.bias.at(0);
+  const double variance = loss.deviation() * loss.deviation() + report.extra_variance.at(0);
+  constexpr std::size_t trials = 1'000'000;
+  const MonteCarloOutput drawn = run_monte_carlo(loss.system(), {}, {.trials = trials}).at(0);
+  EXPECT_NEAR(drawn.mean[0], mean, 4 * std::sqrt(variance / trials));
+  EXPECT_NEAR(drawn.covariance(0, 0), variance, 4 * variance * std::sqrt(8.0 / trials));
+  return printed(mean / 1e-6, 0) + " " + printed(std::sqrt(variance) / 1e-6, 0);
+}
+
+TEST(ComparisonLoss, MonteCarloAndSecondOrder) {  // JCGM 101, tables 6 and 7
+  const double x1[] = {0, 0.010, 0.050};
+  const char* independent[] = {"50 50", "150 112", "2550 502"};
+  const char* correlated[] = {"50 67", "150 121", "2550 505"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    SCOPED_TRACE(x1[i]);
+    EXPECT_EQ(loss_moments(GumExample("comparison_loss",
+                                      {fmt::format("constants.x.value.x1.value={}", x1[i])})),
+              independent[i]);
+    EXPECT_EQ(loss_moments(GumExample("comparison_loss_correlated",
+                                      {fmt::format("constants.x.value.x1={}", x1[i])})),
+              correlated[i]);
+  }
+}
+
+TEST(ComparisonLoss, AtZeroOnlyMonteCarloTellsTheError) {
+  for (const char* name : {"comparison_loss", "comparison_loss_correlated"}) {
+    const VerdictReport report = judge(GumExample(name).system()).at(0);
+    EXPECT_EQ(report.verdict, Verdict::monte_carlo_required) << name;
+    // Beside the first-order error of 0 stands one that is not.
+    EXPECT_EQ(printed(report.bias.at(0) / 1e-6, 0), "50");
+    EXPECT_EQ(printed(std::sqrt(report.extra_variance.at(0)) / 1e-6, 0),
+              std::string(name) == "comparison_loss" ? "50" : "67");
+  }
+}
+
+TEST(ComparisonLoss, FarFromZeroFirstOrderHolds) {
+  const GumExample loss("comparison_loss", {"constants.x.value.x1.value=0.5"});
+  EXPECT_EQ(judge(loss.system()).at(0).verdict, Verdict::linear_ok);
 }
 
 }  // namespace
