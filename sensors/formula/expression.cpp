@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 
 #include "sensors/formula/formula_dimensions.h"
@@ -110,17 +111,18 @@ ExpressionOptions read_expression_options(const Node* module, Diagnostics& diagn
 /// characters, is not in its file as it was read: then its beginning.
 Position position_in(const FormulaText& formula, std::size_t offset) {
   Position position = formula.position;
-  const int shift = static_cast<int>(offset) + (formula.quoted ? 1 : 0);
   if (position.file == nullptr || formula.text.find('\n') != std::string::npos) return position;
-  std::ifstream file(*position.file);
-  std::string line;
-  for (int i = 0; file && i < position.line; ++i) std::getline(file, line);
-  const auto start = static_cast<std::size_t>(position.column - 1 + (formula.quoted ? 1 : 0));
-  const bool from_file = file.is_open();
-  if (from_file &&
-      (start > line.size() || line.compare(start, formula.text.size(), formula.text) != 0))
-    return position;
-  position.column += shift;
+  const int quote = formula.quoted ? 1 : 0;
+  std::error_code no_file;
+  if (std::filesystem::is_regular_file(*position.file, no_file)) {
+    std::ifstream file(*position.file);
+    std::string line;
+    for (int i = 0; i < position.line; ++i) std::getline(file, line);
+    const auto start = static_cast<std::size_t>(position.column) - 1 + (formula.quoted ? 1 : 0);
+    if (start > line.size() || line.compare(start, formula.text.size(), formula.text) != 0)
+      return position;
+  }
+  position.column += quote + static_cast<int>(offset);
   return position;
 }
 

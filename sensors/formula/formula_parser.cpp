@@ -6,6 +6,7 @@
 #include <muParserBase.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <numbers>
 
@@ -160,7 +161,7 @@ class Scanner {
     double value = 0;
     const char* begin = text_.data() + at_;
     const char* stop = read_number(begin, text_.data() + text_.size(), value);
-    std::size_t length = static_cast<std::size_t>(stop - begin);
+    auto length = static_cast<std::size_t>(stop - begin);
     if (length == 0) {
       length = std::max<std::size_t>(
           1, std::min(text_.find_first_not_of("0123456789.eE", at_), text_.size()) - at_);

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <fstream>
 #include <random>
 
 #include "tests/allocation_count.h"
@@ -312,11 +314,27 @@ network: {serial: [a, f]}
   EXPECT_EQ(with("frame: shelf,"), "shelf");
 }
 
+/// The first message of `check` on a graph in a file, without the file's name.
+std::string first_message(const std::string& text) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / "ilss_folded_formula.yaml";
+  std::ofstream(file) << text;
+  Diagnostics diagnostics;
+  EXPECT_FALSE(read_plan(file, test::sensors(), {}, diagnostics));
+  std::filesystem::remove(file);
+  const std::string lines = test::lines_of(diagnostics);
+  return lines.substr(file.string().size(), lines.find('\n') - file.string().size());
+}
+
 TEST(Expression, FoldedFormulaIsReportedWhereItBegins) {
-  EXPECT_EQ(read_formulas("modules:\n  f:\n    type: expression\n    output:\n      q:\n        "
-                          "unit: 1\n        formula: >\n          1 +\n          zz\nnetwork: f\n")
-                .errors.substr(0, 15),
-            "graph.yaml:7:18");
+  const std::string head =
+      "modules:\n  f:\n    type: expression\n    output:\n      q:\n        unit: 1\n        ";
+  const std::string message = "formula of 'q': unknown name 'zz'";
+  EXPECT_EQ(first_message(head + "formula: >\n          1 +\n          zz\nnetwork: f\n"),
+            ":7:18: " + message);
+  EXPECT_EQ(first_message(head + "formula: 1 +\n          zz\nnetwork: f\n"), ":7:18: " + message);
+  EXPECT_EQ(first_message(head + "formula: 1 + zz\nnetwork: f\n"), ":7:22: " + message);
+  EXPECT_EQ(first_message(head + "formula: '1 + zz'\nnetwork: f\n"), ":7:23: " + message);
 }
 
 }  // namespace
