@@ -20,7 +20,8 @@ struct BudgetEntry {
 std::vector<BudgetEntry> budget(const Lineage& lineage);
 
 /// The effective degrees of freedom of a component's standard deviation, infinite where every
-/// owner's is known: u^4 / sum of u_k^4 / v_k over owners (Welch-Satterthwaite; JCGM 100:2008, G.2b).
+/// owner's is known: u^4 / sum of u_k^4 / v_k over owners (Welch-Satterthwaite; JCGM 100:2008,
+/// G.2b).
 double effective_degrees_of_freedom(const std::vector<BudgetEntry>& entries,
                                     const SourceOwners& owners, std::size_t component);
 

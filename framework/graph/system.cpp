@@ -287,16 +287,4 @@ std::vector<TestReport> System::run_tests(std::size_t node) {
   }
 }
 
-Outcome<> System::try_function(std::size_t node, const Estimate& parameters,
-                               std::span<const Output* const> inputs, Output& output) const {
-  Evaluation values{.tick = tick_ - 1,
-                    .time = time_,
-                    .seed = 0,
-                    .owner = static_cast<std::uint32_t>(node),
-                    .parameters = parameters,
-                    .inputs = inputs,
-                    .correlation_unknown = plan_->nodes[node].correlation_unknown};
-  return guarded([&] { return nodes_[node].module->evaluate(values, output); });
-}
-
 }  // namespace ilss

@@ -87,11 +87,6 @@ class System {
   /// Runs a module's embedded tests.
   std::vector<TestReport> run_tests(std::size_t node);
 
-  /// Evaluates one node's module on given inputs and parameters into `output`, beside the running
-  /// state: for functions, which have none. Used to try perturbed values.
-  Outcome<> try_function(std::size_t node, const Estimate& parameters,
-                         std::span<const Output* const> inputs, Output& output) const;
-
  private:
   void begin_tick(double time);
   void evaluate_node(std::size_t i);

@@ -145,8 +145,8 @@ typename M::Options options_of(const Settings& settings) {
 /// The type of a sensor, an estimator, or a function of any payload: a class M derived from Module
 /// with static `name`, `description`, `kind` and `Interface interface()` (or `interface(const
 /// Options&)`), optionally `reference`, `faults`, `commands()`, `remembers`, `bounds_correlation`,
-/// `weighs_errors`, `resolve(const Connections&, Settings&, Interface&)`, `template <typename T> struct Parameters`
-/// and `struct Options`; constructed from its Options where it has them.
+/// `weighs_errors`, `resolve(const Connections&, Settings&, Interface&)`, `template <typename T>
+/// struct Parameters` and `struct Options`; constructed from its Options where it has them.
 template <typename M>
 requires std::derived_from<M, Module> ModuleType module_type() {
   ModuleType type;

@@ -65,7 +65,7 @@ class Trials {
     Offsets& output = outputs_[o];
     if (output.components.empty()) return;
     if (perturbation.failed(output.node)) {
-      if (trial < fault.first) fault = {trial, perturbation.fault(output.node)};
+      if (trial < fault.first) fault = {trial, perturbation.fault(output.node).message};
       for (auto& component : output.components) component[trial] = nan;
       return;
     }

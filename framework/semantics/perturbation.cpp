@@ -186,10 +186,11 @@ void Perturbation::move_simulated(Step& step, std::span<const double> errors) co
   if (!with_lineages_) estimate.lineage.reset(estimate.dimension());
 }
 
-std::string Perturbation::fault(std::size_t node) const {
+Fault Perturbation::fault(std::size_t node) const {
   const Step* from = step(node).fault_from != nullptr ? step(node).fault_from : &step(node);
-  if (from->dead || !from->failed) return {};
-  return fmt::format("'{}': {}", system_.plan().nodes[from->node].name, from->fault.message);
+  const std::string& name = system_.plan().nodes[from->node].name;
+  if (from->dead) return {FaultKind::no_detection, fmt::format("'{}' has no output", name)};
+  return {from->fault.kind, fmt::format("'{}': {}", name, from->fault.message)};
 }
 
 std::vector<std::size_t> Perturbation::nodes() const {

@@ -41,9 +41,9 @@ class Perturbation {
 
   /// The output of a node that the system's outputs follow from.
   const Estimate& value(std::size_t node) const { return step(node).output.estimate; }
-  /// Whether there is none, and what the fault said; "" where it was there from the beginning.
+  /// Whether there is none, and why: the message names the node that the fault comes from.
   bool failed(std::size_t node) const { return step(node).failed; }
-  std::string fault(std::size_t node) const;
+  Fault fault(std::size_t node) const;
   /// Whether a label changed on the way to the node: another case of a formula.
   bool changed_label(std::size_t node) const { return step(node).changed_label; }
 

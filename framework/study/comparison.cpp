@@ -104,7 +104,6 @@ void run(const Study& study, const Plan& plan, std::uint64_t seed, ErrorCollecto
          CaseMeasurement& measurement) {
   const CycleClock& clock = CycleClock::instance();
   System system(plan, seed);
-  SystematicErrors systematic(system);
   const std::size_t output = plan.outputs.front();
   measurement.time.emplace();
   Estimate drawn;
@@ -121,7 +120,7 @@ void run(const Study& study, const Plan& plan, std::uint64_t seed, ErrorCollecto
       errors.add_output(state.output.estimate);
     } else {
       const auto run_seed = derive_seed(seed, static_cast<std::uint64_t>(r));
-      if (const Outcome<> outcome = systematic.apply(run_seed, drawn))
+      if (const Outcome<> outcome = draw_systematic_errors(system, run_seed, drawn))
         errors.add_output(drawn);
       else if (outcome.is_fault())
         errors.add_fault(outcome.fault());
