@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -86,6 +87,17 @@ modules:
 network: {serial: [camera, target_points, {combine: [own, written, {serial: [written, robot]}]}]}
 )";
 
+/// The same values and lineage, to rounding.
+void expect_same(const Estimate& a, const Estimate& b) {
+  ASSERT_EQ(a.type, b.type);
+  EXPECT_EQ(a.frame, b.frame);
+  EXPECT_EQ(a.labels, b.labels);
+  for (std::size_t i = 0; i < a.dimension(); ++i)
+    EXPECT_NEAR(a.value[i], b.value[i], 1e-12 * std::abs(b.value[i])) << i;
+  ASSERT_TRUE(std::ranges::equal(a.lineage.sources(), b.lineage.sources()));
+  EXPECT_LE((a.lineage.factor() - b.lineage.factor()).norm(), 1e-12 * b.lineage.factor().norm());
+}
+
 TEST(Expression, VisionLineWrittenAsFormulasIsTheModule) {
   Diagnostics diagnostics;
   const Node graph = parse_document(vision_line, "graph.yaml", diagnostics);
@@ -110,15 +122,7 @@ TEST(Expression, VisionLineWrittenAsFormulasIsTheModule) {
     const Estimate& own = system.node(*plan.find("own")).output.estimate;
     const Estimate& written = system.node(*plan.find("written")).output.estimate;
     ASSERT_TRUE(system.node(*plan.find("written")).outcome.has_output());
-    ASSERT_EQ(written.type, own.type);
-    ASSERT_EQ(written.frame, own.frame);
-    EXPECT_EQ(written.labels, own.labels);
-    for (std::size_t i = 0; i < 4; ++i)
-      EXPECT_NEAR(written.value[i], own.value[i], 1e-12 * std::abs(own.value[i])) << i;
-    ASSERT_TRUE(std::equal(written.lineage.sources().begin(), written.lineage.sources().end(),
-                           own.lineage.sources().begin(), own.lineage.sources().end()));
-    EXPECT_LE((written.lineage.factor() - own.lineage.factor()).norm(),
-              1e-12 * own.lineage.factor().norm());
+    expect_same(written, own);
     EXPECT_TRUE(system.node(*plan.find("robot")).outcome.has_output());
   }
 }

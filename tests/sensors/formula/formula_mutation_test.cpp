@@ -33,6 +33,30 @@ std::string mutated(std::mt19937& random) {
   return text;
 }
 
+/// As it stands between double quotes in YAML.
+std::string escaped(std::string text) {
+  for (std::size_t at = 0; (at = text.find('\\', at)) != std::string::npos; at += 2)
+    text.insert(at, "\\");
+  return text;
+}
+
+/// The quantities that a formula uses, by what was said of the others.
+std::string used_quantities(const std::string& errors) {
+  static const std::vector<std::pair<std::string, std::string>> all = {
+      {"ls", "{value: 5 m, std: 1 mm}"},
+      {"d", "{value: 0 m, std: 2 mm}"},
+      {"a", "1e-6 1/K"},
+      {"b", "2e-6 1/K"},
+      {"t", "3 K"},
+      {"phi", "{value: 30 deg, std: 1 deg}"},
+      {"n", "{value: 4, std: 0.1}"}};
+  std::string used;
+  for (const auto& [name, value] : all)
+    if (errors.find(fmt::format("'{}' is not used", name)) == std::string::npos)
+      used += fmt::format("{}: {}, ", name, value);
+  return used;
+}
+
 TEST(FormulaMutation, FormulasAreReadOrRefusedAndNeverGiveNonsense) {
   int plans = 0;
   int outputs = 0;
@@ -41,31 +65,16 @@ TEST(FormulaMutation, FormulasAreReadOrRefusedAndNeverGiveNonsense) {
     std::mt19937 random(seed);
     const std::string formula = mutated(random);
     SCOPED_TRACE(fmt::format("seed {}: {}", seed, formula));
-    std::string quoted = formula;
-    for (std::size_t at = 0; (at = quoted.find('\\', at)) != std::string::npos; at += 2)
-      quoted.insert(at, "\\");
+    const std::string quoted = escaped(formula);
     const test::FormulaGraph read = test::read_expression(
-        "ls: {value: 5 m, std: 1 mm}, d: {value: 0, std: 2 mm}, a: 1e-6 1/K, b: 2e-6 1/K, t: 3 K, "
-        "phi: {value: 30 deg, std: 1 deg}, n: {value: 4, std: 0.1}",
-        fmt::format("q: {{unit: m, formula: \"{}\"}}", quoted));
+        used_quantities(""), fmt::format("q: {{unit: m, formula: \"{}\"}}", quoted));
     // Most mutants leave some quantity unused, which is an error of its own, and no more.
     const bool sound = read.errors.find("formula of 'q'") == std::string::npos;
     ASSERT_EQ(read.plan.has_value(), read.errors.empty());
     refused += sound ? 0 : 1;
     if (!sound) continue;
     ++plans;
-    // Again with all that it uses, and nothing else.
-    std::string quantities;
-    for (const auto& [name, value] :
-         std::vector<std::pair<std::string, std::string>>{{"ls", "{value: 5 m, std: 1 mm}"},
-                                                          {"d", "{value: 0 m, std: 2 mm}"},
-                                                          {"a", "1e-6 1/K"},
-                                                          {"b", "2e-6 1/K"},
-                                                          {"t", "3 K"},
-                                                          {"phi", "{value: 30 deg, std: 1 deg}"},
-                                                          {"n", "{value: 4, std: 0.1}"}})
-      if (read.errors.find(fmt::format("'{}' is not used", name)) == std::string::npos)
-        quantities += name + ": " + value + ", ";
+    const std::string quantities = used_quantities(read.errors);
     const test::Evaluated evaluated(
         test::read_expression(quantities, fmt::format("q: {{unit: m, formula: \"{}\"}}", quoted)));
     if (evaluated.state().outcome.is_fault()) {
