@@ -151,7 +151,7 @@ TEST(WallPoseScene, MeasuredErrorsAreThePredictedOnesWhereTheVerdictIsLinear) {
       }
     }
   }
-  EXPECT_EQ(linear, 10) << "poses whose verdict is linear_ok, of both systems";
+  EXPECT_EQ(linear, 15) << "poses whose verdict is linear_ok, of all three systems";
 }
 
 }  // namespace
