@@ -177,8 +177,6 @@ class FunctionModule final : public Module {
       read_linearization<rows, columns>(components(*value), linear);
       copy_labels(*value, output);
     }
-    if (!all_finite({derivatives, rows * columns}))
-      return Fault{FaultKind::not_finite, "the formula has no finite derivative here"};
     output.estimate.value.assign(linear.value.begin(), linear.value.end());
     std::array<LineageTerm, Signature::arguments> terms;
     std::size_t count = 0;
@@ -190,7 +188,9 @@ class FunctionModule final : public Module {
     }
     compose({terms.data(), count}, rows, output.estimate.lineage);
     if (!std::isfinite(sum_of_squares(output.estimate.lineage)))
-      return Fault{FaultKind::not_finite, "the result's error is not finite"};
+      return Fault{FaultKind::not_finite, all_finite({derivatives, rows * columns})
+                                              ? "the result's error is not finite"
+                                              : "the formula has no finite derivative here"};
     return check_finite(output);
   }
 

@@ -65,15 +65,17 @@ class VisionLine {
   /// the second point by (-s tan alpha, -s) d sin alpha.
   void jacobian(const Parameters<double>& parameters, const TargetRows<double>& rows,
                 const WallPoints<double>& points, std::span<double> out) const {
-    // Few divisions: they are what this costs.
+    // Reciprocals in common: divisions are what this costs.
     const double spacing = parameters.point_spacing;
     const double scale = parameters.focal_length * parameters.target_height;
-    const double per_scale = 1 / scale;
+    const double per_scale_and_spacing = 1 / (scale * parameters.stripe_spacing);
+    const double per_scale = parameters.stripe_spacing * per_scale_and_spacing;
+    const double per_stripe_spacing = scale * per_scale_and_spacing;
     const double per_height = parameters.focal_length * per_scale;
     const double per_focal_length = parameters.target_height * per_scale;
-    const double per_stripe_spacing = 1 / parameters.stripe_spacing;
-    const double z_l = scale / rows.y_l;
-    const double z_r = scale / rows.y_r;
+    const double scale_per_rows = scale / (rows.y_l * rows.y_r);
+    const double z_l = scale_per_rows * rows.y_r;
+    const double z_r = scale_per_rows * rows.y_l;
     const double sine = (z_l - z_r) * per_stripe_spacing;
     const double cosine = std::sqrt(1.0 - sine * sine);
     const double tangent = sine / cosine;
@@ -89,9 +91,9 @@ class VisionLine {
                            -sine * per_stripe_spacing,
                            sine * per_focal_length,
                            0,
-                           -z_l * z_l * per_scale * per_stripe_spacing,
+                           -z_l * z_l * per_scale_and_spacing,
                            0,
-                           z_r * z_r * per_scale * per_stripe_spacing};
+                           z_r * z_r * per_scale_and_spacing};
     constexpr std::size_t of_spacing = 3;
     for (std::size_t k = 0; k < std::size(depth); ++k) {
       double* column = out.data() + 4 * k;
