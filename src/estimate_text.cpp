@@ -91,7 +91,8 @@ std::string estimate_text(const Estimate& estimate, const VerdictReport& verdict
         "  {:<12} {}", component.name,
         quantity_text(estimate.value[i], estimate.lineage.standard_deviation(i), component.unit));
     if (i < verdict.components.size() && verdict.components[i] != Verdict::linear_ok)
-      text += fmt::format("   ({}: second order {})", verdict_name(verdict.components[i]),
+      text += fmt::format("   ({}{} {})", verdict_name(verdict.components[i]),
+                          verdict.components[i] == Verdict::second_order ? ":" : ": second order",
                           quantity_text(estimate.value[i] + verdict.bias[i],
                                         corrected_deviation(estimate, verdict, i), component.unit));
     text += "\n";
