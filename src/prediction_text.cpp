@@ -27,7 +27,8 @@ std::string percent(double share) {
 
 std::string budget_table_text(const std::vector<BudgetEntry>& entries, const SourceOwners& owners,
                               std::size_t component, const std::string& si_unit) {
-  const auto [unit, factor] = reading_unit(si_unit);
+  const ReadingUnit reading = reading_unit(si_unit);
+  const double factor = reading.factor;
   double variance = 0;
   double systematic = 0;
   for (const BudgetEntry& entry : entries) {
@@ -40,7 +41,7 @@ std::string budget_table_text(const std::vector<BudgetEntry>& entries, const Sou
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return entries[a].variance[component] > entries[b].variance[component];
   });
-  const std::string in_unit = unit.empty() ? "" : "\n" + unit;
+  const std::string in_unit = reading.name.empty() ? "" : "\n" + reading.name;
   TextTable table;
   table.column("source", Align::left);
   table.column("kind", Align::left);

@@ -358,6 +358,7 @@ std::vector<VerdictReport> judge(const System& system, const std::vector<std::si
   const Probe probe(system, perturbation);
   const Sizes sizes = sizes_of(system, perturbation);
   std::vector<Judgement> judgements;
+  judgements.reserve(probe.outputs().size());
   for (const ProbedOutput& output : probe.outputs())
     judgements.emplace_back(output, system.node(output.node).output.estimate, sizes);
   const bool doubt = std::any_of(judgements.begin(), judgements.end(),
@@ -368,6 +369,7 @@ std::vector<VerdictReport> judge(const System& system, const std::vector<std::si
       if (judgements[o].doubtful()) judgements[o].take_pilot(pilot[o]);
   }
   std::vector<VerdictReport> reports;
+  reports.reserve(judgements.size());
   for (Judgement& judgement : judgements) reports.push_back(std::move(judgement).report());
   return reports;
 }
