@@ -171,5 +171,23 @@ TEST(UnitConversion, HasAnOffsetForTemperatureScales) {
   EXPECT_EQ(std::get<UnitConversion>(unit_conversion("km", "m")).offset, 0);
 }
 
+TEST(SiUnit, IsThatOfTheSameDimension) {
+  EXPECT_EQ(si_unit("nm"), "m");
+  EXPECT_EQ(si_unit("deg"), "rad");
+  EXPECT_EQ(si_unit("degC"), "K");
+  EXPECT_EQ(si_unit(""), "1");
+  EXPECT_EQ(si_unit("1"), "1");
+  EXPECT_EQ(si_unit("%"), "1");
+  for (const char* unit : {"km/h", "N", "nm/K", "1/m", "deg/s"}) {
+    const auto si = si_unit(unit);
+    ASSERT_TRUE(si) << unit;
+    EXPECT_TRUE(std::holds_alternative<UnitConversion>(unit_conversion(unit, *si))) << unit;
+  }
+}
+
+TEST(SiUnit, IsNoneOfWhatIsNoUnit) {
+  for (const char* unit : {"xyz", "11", "m m2 (", "@"}) EXPECT_FALSE(si_unit(unit)) << unit;
+}
+
 }  // namespace
 }  // namespace ilss
