@@ -29,6 +29,11 @@ std::string payload_text(const PayloadDescriptor& payload) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
+/// A text between two others; nothing where there is none.
+std::string preceded(const char* before, const std::string& text, const char* after = "") {
+  return text.empty() ? "" : before + text + after;
+}
+
 std::string kind_text(const ParameterDeclaration& parameter) {
   using Kind = ParameterDeclaration::Kind;
   if (parameter.kind == Kind::choice) return fmt::format("{}", fmt::join(parameter.choices, " | "));
@@ -80,12 +85,12 @@ void print_type(const ModuleType& type) {
   fmt::print("{} ({}): {}\n", type.name, kind_name(type.kind), type.description);
   if (!type.reference.empty()) fmt::print("source: {}\n", type.reference);
   for (const InputDeclaration& input : interface.inputs)
-    fmt::print("input {}{}: {}{}\n  {}\n", input.name, input.repeated ? "..." : "",
+    fmt::print("input {}{}: {}{}\n{}", input.name, input.repeated ? "..." : "",
                input.payload->name, input.frame.empty() ? "" : " in frame " + input.frame,
-               payload_text(*input.payload));
-  fmt::print("output: {}{}\n  {}\n", interface.output->name,
+               preceded("  ", payload_text(*input.payload), "\n"));
+  fmt::print("output: {}{}\n{}", interface.output->name,
              interface.frame.empty() ? "" : " in frame " + interface.frame,
-             payload_text(*interface.output));
+             preceded("  ", payload_text(*interface.output), "\n"));
   if (!type.declarations.empty()) fmt::print("parameters\n");
   for_each_parameter(
       type.declarations, "  ", [](const std::string& name, const ParameterDeclaration& parameter) {
@@ -105,13 +110,13 @@ void print_markdown(const ModuleType& type) {
   if (!type.reference.empty()) fmt::print(" Source: {}.", type.reference);
   fmt::print("\n\n");
   for (const InputDeclaration& input : interface.inputs)
-    fmt::print("- input `{}`{}: `{}`{}: {}\n", input.name, input.repeated ? " (one or more)" : "",
+    fmt::print("- input `{}`{}: `{}`{}{}\n", input.name, input.repeated ? " (one or more)" : "",
                input.payload->name,
                input.frame.empty() ? "" : fmt::format(" in frame `{}`", input.frame),
-               payload_text(*input.payload));
-  fmt::print("- output: `{}`{}: {}\n", interface.output->name,
+               preceded(": ", payload_text(*input.payload)));
+  fmt::print("- output: `{}`{}{}\n", interface.output->name,
              interface.frame.empty() ? "" : fmt::format(" in frame `{}`", interface.frame),
-             payload_text(*interface.output));
+             preceded(": ", payload_text(*interface.output)));
   for (const CommandDeclaration& command : type.commands)
     fmt::print("- command `{}`: {} ({})\n", command.name, command.documentation,
                kind_text(command.value));

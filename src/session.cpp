@@ -47,7 +47,8 @@ void add_set_option(CLI::App& verb, std::vector<std::string>& sets) {
 
 void report_and_exit(const Diagnostics& diagnostics) {
   for (const Diagnostic& diagnostic : diagnostics.sorted())
-    fmt::print(stderr, "{}\n", format_diagnostic(diagnostic));
+    fmt::print(stderr, "{}{}\n", diagnostic.position.file == nullptr ? "ilss: " : "",
+               format_diagnostic(diagnostic));
   throw Exit{exit_bad_input};
 }
 

@@ -206,7 +206,8 @@ class TreeBuilder : public YAML::EventHandler {
 }  // namespace
 
 std::string format_diagnostic(const Diagnostic& diagnostic) {
-  const std::string file = diagnostic.position.file != nullptr ? *diagnostic.position.file : "";
+  if (diagnostic.position.file == nullptr) return diagnostic.message;
+  const std::string& file = *diagnostic.position.file;
   if (diagnostic.position.line == 0) return fmt::format("{}: {}", file, diagnostic.message);
   return fmt::format("{}:{}:{}: {}", file, diagnostic.position.line, diagnostic.position.column,
                      diagnostic.message);

@@ -22,7 +22,8 @@ struct Diagnostic {
   std::string message;
 };
 
-/// "file:line:column: message", or "file: message" for a file as a whole.
+/// "file:line:column: message", "file: message" for a file as a whole, the message where there is
+/// no file.
 std::string format_diagnostic(const Diagnostic& diagnostic);
 
 /// Collects everything that is wrong, so that all of it can be reported in one go.
