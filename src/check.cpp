@@ -51,7 +51,7 @@ void print_json(const Plan& plan) {
                           {"modules", nodes},
                           {"outputs", outputs},
                           {"unknown_correlations", correlation_notes(plan)}};
-  fmt::print("{}\n", plan_json.dump(2));
+  fmt::print("{}\n", json_text(plan_json));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ int compare_study(const Arguments& arguments, Session& session) {
   if (arguments.seed) study->seed = *arguments.seed;
   const Comparison comparison = compare(*study);
   if (arguments.json)
-    fmt::print("{}\n", comparison_json(*study, comparison).dump(2));
+    fmt::print("{}\n", json_text(comparison_json(*study, comparison)));
   else
     fmt::print("{}", comparison_text(*study, comparison));
   return arguments.enforce && !comparison.requirement_met ? exit_failed : exit_fine;

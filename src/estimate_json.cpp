@@ -33,6 +33,10 @@ Json one_output_json(const Output& output, const SourceOwners& owners,
 
 }  // namespace
 
+std::string json_text(const Json& json, bool on_one_line) {
+  return json.dump(on_one_line ? -1 : 2, ' ', false, Json::error_handler_t::replace);
+}
+
 Json estimate_json(const Estimate& estimate, const SourceOwners& owners,
                    const VerdictReport& verdict) {
   Json json;

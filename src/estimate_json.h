@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "framework/semantics/monte_carlo.h"
 #include "framework/semantics/time_prediction.h"
@@ -10,6 +11,10 @@
 namespace ilss {
 
 using Json = nlohmann::ordered_json;
+
+/// JSON as text, on lines of its own with an indent of 2 or on one; bytes of names that are no
+/// UTF-8 are replaced.
+std::string json_text(const Json& json, bool on_one_line = false);
 
 /// One estimate: type, frame, components, covariance, budget, verdict with its reason, and the
 /// second-order mean and std where they were looked at.

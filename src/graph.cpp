@@ -108,7 +108,8 @@ void add_graph(CLI::App& app, Session& session) {
     const Plan plan = session.read_graph(options->graph, options->sets);
     const std::string dot = to_dot(plan);
     const std::string text = options->format == "svg" ? draw_svg(dot) : dot;
-    write(options->json ? Json{{"format", options->format}, {"text", text}}.dump() + "\n" : text,
+    write(options->json ? json_text({{"format", options->format}, {"text", text}}, true) + "\n"
+                        : text,
           options->output);
   });
 }

@@ -85,8 +85,8 @@ void print_type(const ModuleType& type) {
   fmt::print("{} ({}): {}\n", type.name, kind_name(type.kind), type.description);
   if (!type.reference.empty()) fmt::print("source: {}\n", type.reference);
   for (const InputDeclaration& input : interface.inputs)
-    fmt::print("input {}{}: {}{}\n{}", input.name, input.repeated ? "..." : "",
-               input.payload->name, input.frame.empty() ? "" : " in frame " + input.frame,
+    fmt::print("input {}{}: {}{}\n{}", input.name, input.repeated ? "..." : "", input.payload->name,
+               input.frame.empty() ? "" : " in frame " + input.frame,
                preceded("  ", payload_text(*input.payload), "\n"));
   fmt::print("output: {}{}\n{}", interface.output->name,
              interface.frame.empty() ? "" : " in frame " + interface.frame,
@@ -206,7 +206,7 @@ void list_modules(const Arguments& arguments, Session& session) {
   if (arguments.json) {
     Json json = Json::array();
     for (const ModuleType* type : types) json.push_back(type_json(*type));
-    fmt::print("{}\n", arguments.type.empty() ? json.dump(2) : json.front().dump(2));
+    fmt::print("{}\n", json_text(arguments.type.empty() ? json : json.front()));
   } else if (arguments.markdown) {
     for (const ModuleType* type : types) print_markdown(*type);
   } else if (arguments.type.empty()) {

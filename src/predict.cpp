@@ -181,7 +181,7 @@ int predict(const Arguments& arguments, Session& session) {
     Json json = {{"output", outputs_with_trials(prediction)}};
     if (missing != 0) json["faults"] = faults_json(system);
     json["time"] = time_json(prediction.time, plan);
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", json_text(json));
   } else if (missing < plan.outputs.size()) {
     print_text(arguments, prediction);
   }

@@ -284,7 +284,7 @@ int run(const Arguments& arguments, Session& session) {
     observe_outputs(runner.system(), verdicts, summaries);
     agreement.observe(runner.system());
     if (arguments.json)
-      fmt::print("{}\n", tick_json(runner, time, verdicts).dump());
+      fmt::print("{}\n", json_text(tick_json(runner, time, verdicts), true));
     else if (!arguments.quiet)
       print_tick(runner.system(), time, verdicts);
     if (const auto lost = find_fault(runner.system(), FaultKind::device_lost)) {

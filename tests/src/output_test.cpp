@@ -29,5 +29,15 @@ TEST(Output, ReaderWhoLeavesIsNoError) {
   }
 }
 
+TEST(Output, NamesThatAreNoTextStillGiveJson) {
+  const std::filesystem::path file = test_file("graph.yaml");
+  std::ofstream(file) << "ilss: \"\xff\"\nmodules: {f: {type: expression, quantities: {x: 1}, "
+                         "output: {y: {unit: 1, formula: x}}}}\nnetwork: f\n";
+  const Heard heard = call_command("check --json " + file.string());
+  EXPECT_EQ(heard.status, 0) << heard.errors;
+  EXPECT_NE(heard.output.find("\xef\xbf\xbd"), std::string::npos) << heard.output;
+  std::filesystem::remove(file);
+}
+
 }  // namespace
 }  // namespace ilss
