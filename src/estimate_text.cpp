@@ -11,6 +11,9 @@
 namespace ilss {
 namespace {
 
+constexpr double least_shown = 1e-6;
+constexpr double most_shown = 1e9;
+
 /// A variance's share in percent; "-" where there is no variance to share.
 std::string share_text(double part, double whole) {
   return whole > 0 ? fmt::format("{:.1f} %", 100 * part / whole) : "-";
@@ -70,6 +73,17 @@ std::string quantity_text(double value, double standard_deviation, const std::st
   // The value to the same place as its standard deviation.
   const double shown = standard_deviation * factor;
   const int digits = decimal_places(shown);
+  const double size = std::max(std::abs(value * factor), shown);
+  // Numbers too small or large for places after the point: (5.00 ± 0.10)e-12.
+  if (size > 0 &&
+      ((shown > 0 && shown < least_shown) || size < least_shown || size >= most_shown)) {
+    const double power = std::floor(std::log10(size));
+    const double scale = std::pow(10.0, -power);
+    const int places = decimal_places(shown * scale);
+    return fmt::format("({} ± {:.{}f})e{:+03d}{}{}", decimal_text(value * factor * scale, places),
+                       shown * scale, places, static_cast<int>(power), unit.empty() ? "" : " ",
+                       unit);
+  }
   return fmt::format("{} ± {:.{}f}{}{}", decimal_text(value * factor, digits), shown, digits,
                      unit.empty() ? "" : " ", unit);
 }
@@ -109,6 +123,10 @@ std::string estimate_text(const Estimate& estimate, const VerdictReport& verdict
 
 std::string budget_text(const Estimate& estimate, const SourceOwners& owners) {
   std::vector<BudgetEntry> entries = budget(estimate.lineage);
+  std::erase_if(entries, [](const BudgetEntry& entry) {
+    return std::all_of(entry.variance.begin(), entry.variance.end(),
+                       [](double variance) { return variance == 0; });
+  });
   if (entries.empty()) return {};
   const auto largest_share = [&](const BudgetEntry& entry) {
     double share = 0;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "framework/graph/correlation.h"
 #include "framework/graph/value_reader.h"
 #include "src/estimate_json.h"
 #include "src/estimate_text.h"
@@ -126,6 +127,11 @@ void print_text(const Arguments& arguments, const Prediction& prediction) {
     else if (!shares.empty())
       fmt::print("share of the variance\n{}", shares);
   }
+  for (const UnknownCorrelation& unknown : plan.unknown_correlations)
+    fmt::print("note: {}\n", describe(unknown, plan));
+  for (const PlanNode& node : plan.nodes)
+    if (node.type->remembers)
+      fmt::print("note: '{}' keeps earlier ticks; this is its first\n", node.name);
   fmt::print("{}", time_text(prediction.time, plan));
 }
 

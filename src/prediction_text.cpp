@@ -92,10 +92,10 @@ std::string degrees_of_freedom_text(const Estimate& estimate, const SourceOwners
     if (!std::isfinite(degrees)) continue;
     const Component& component = estimate.type->components[c];
     const double factor = coverage_factor(degrees, 0.95);
-    text +=
-        fmt::format("  {:<12} {:.1f} effective degrees of freedom: 95 % within {:.2f} std, {}\n",
-                    component.name, degrees, factor,
-                    quantity_text(factor * estimate.lineage.standard_deviation(c), component.unit));
+    text += fmt::format(
+        "  95 % of {}: ± {} ({:.2f} std, {:.1f} effective degrees of freedom)\n", component.name,
+        quantity_text(factor * estimate.lineage.standard_deviation(c), component.unit), factor,
+        degrees);
   }
   return text;
 }

@@ -7,6 +7,16 @@
 namespace ilss {
 namespace {
 
+/// A constant that nothing uses may be of any dimension, but not of none.
+void check_unit(const WrittenQuantity& quantity, Diagnostics& diagnostics) {
+  if (quantity.unit.empty() || si_unit(quantity.unit)) return;
+  const bool error_behind = quantity.unit.find("+-") != std::string::npos ||
+                            quantity.unit.find("\u00b1") != std::string::npos;
+  diagnostics.add(quantity.position,
+                  fmt::format("unknown unit '{}'{}", quantity.unit,
+                              error_behind ? "; an error is written {value: ..., std: ...}" : ""));
+}
+
 bool is_name(std::string_view name) {
   return !name.empty() && name.find_first_of(". $") == std::string_view::npos;
 }
@@ -31,6 +41,9 @@ void Constants::read(const Node& map, const std::string& prefix,
       refer(name, value, outer, diagnostics);
     } else if (path != nullptr && !path->is_scalar()) {
       diagnostics.add(path->position, "expected a path, got " + path->description());
+    } else if (path != nullptr && !std::filesystem::is_regular_file(directory / path->text)) {
+      diagnostics.add(path->position,
+                      fmt::format("there is no file '{}'", (directory / path->text).string()));
     } else if (path != nullptr) {
       const Node file = read_document(directory / path->text, diagnostics);
       if (diagnostics.size() == errors) read_one(name, file, prefix, owners, diagnostics);
@@ -48,11 +61,12 @@ void Constants::read_one(const std::string& name, const Node& value, const std::
     return read_vector(name, value, prefix, owners, diagnostics);
   const auto quantity = read_quantity(value, diagnostics);
   if (!quantity) return;
-  keep(name, *quantity, prefix, owners);
+  keep(name, *quantity, prefix, owners, diagnostics);
 }
 
 void Constants::keep(const std::string& name, WrittenQuantity quantity, const std::string& prefix,
-                     SourceOwners& owners) {
+                     SourceOwners& owners, Diagnostics& diagnostics) {
+  check_unit(quantity, diagnostics);
   ConstantElement element;
   if (quantity.standard_deviation) {
     element.owner = static_cast<std::uint32_t>(owners.size());
@@ -111,12 +125,13 @@ void Constants::read_vector(const std::string& name, const Node& map, const std:
   if (!covariance) {  // errors of their own, each to be blamed by itself
     for (std::size_t i = 0; i < elements.size(); ++i) {
       const std::string full_name = name + "." + values.keys[i].text;
-      keep(full_name, std::move(elements[i].quantity), prefix, owners);
+      keep(full_name, std::move(elements[i].quantity), prefix, owners, diagnostics);
     }
     return;
   }
   Lineage lineage(values.size());
   lineage.add_noise({0, 0, persistent_tick}, *covariance);
+  for (const ConstantElement& element : elements) check_unit(element.quantity, diagnostics);
   const auto owner = static_cast<std::uint32_t>(owners.size());
   if (!lineage.empty()) owners.push_back({prefix + name, true});
   for (std::size_t i = 0; i < elements.size(); ++i) {

@@ -40,7 +40,7 @@ class Constants {
                 SourceOwners& owners, Diagnostics& diagnostics);
   /// Makes a value a constant, with a source of its own where it has an error.
   void keep(const std::string& name, WrittenQuantity quantity, const std::string& prefix,
-            SourceOwners& owners);
+            SourceOwners& owners, Diagnostics& diagnostics);
   void read_vector(const std::string& name, const Node& map, const std::string& prefix,
                    SourceOwners& owners, Diagnostics& diagnostics);
 

@@ -34,6 +34,7 @@ struct PlanNode {
   std::optional<ModuleTime> time = {};
   /// Some two of its inputs, or ticks of one input, are correlated in a way that is not known.
   bool correlation_unknown = false;
+  bool readable = true;  ///< while a plan is made: whether its settings could be read
   Position position = {};
 };
 

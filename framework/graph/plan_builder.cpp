@@ -138,7 +138,7 @@ class PlanBuilder {
                             const std::vector<PlacedOverride>& overrides);
   const PayloadDescriptor* declare_quantities(
       const Node& module, const Constants& constants,
-      const std::map<std::string, const Constants*>& override_constants);
+      const std::map<std::string, const Constants*>& override_constants, bool& readable);
   void read_parameters(const Node& module, const Constants& constants,
                        const std::map<std::string, const Constants*>& override_constants,
                        PlanNode& node);
@@ -328,10 +328,13 @@ Instance PlanBuilder::read_module(const Node& key, Node module, const std::strin
   module.position = key.position;
   check_keys(module, type->declarations, type->name, diagnostics_);
   if (type->takes_quantities)
-    node.settings.quantities = declare_quantities(module, constants, override_constants);
+    node.settings.quantities =
+        declare_quantities(module, constants, override_constants, node.readable);
+  const std::size_t errors = diagnostics_.size();
   try {
     if (type->read_options)
       node.settings.options = type->read_options(&module, directory, diagnostics_, key.position);
+    node.readable &= diagnostics_.size() == errors;
     node.interface = type->interface(node.settings);
   } catch (const std::exception& error) {
     diagnostics_.add(key.position,
@@ -402,7 +405,7 @@ Instance PlanBuilder::read_system_file(const Node& key, const Node& file,
 
 const PayloadDescriptor* PlanBuilder::declare_quantities(
     const Node& module, const Constants& constants,
-    const std::map<std::string, const Constants*>& override_constants) {
+    const std::map<std::string, const Constants*>& override_constants, bool& readable) {
   PayloadDescriptor quantities{"quantities", "Named values of a graph.", {}};
   const Node* map = module.find("quantities");
   if (map != nullptr && !map->is_map() && !map->is_null())
@@ -413,14 +416,16 @@ const PayloadDescriptor* PlanBuilder::declare_quantities(
     const Node& value = map->values[i];
     const std::string name = "quantities." + map->keys[i].text;
     const Constants* names = constants_of(name, constants, override_constants);
-    std::string unit = "1";
+    std::optional<std::string> unit;
     if (value.is_scalar() && value.text.starts_with('$')) {
       if (const ConstantElement* constant = names->find(value.text.substr(1)))
         unit = constant->quantity.unit;
     } else if (const auto quantity = read_quantity(value, said_later)) {
       unit = quantity->unit;
     }
-    quantities.components.push_back({name, si_unit(unit).value_or("1"), "", {}, false});
+    if (unit) unit = si_unit(*unit);
+    readable &= unit.has_value();
+    quantities.components.push_back({name, unit.value_or("1"), "", {}, false});
   }
   return &intern_payload(std::move(quantities));
 }

@@ -209,6 +209,7 @@ void Wiring::check_payload_names(const std::vector<std::size_t>& order) {
 
 void Wiring::resolve(std::size_t index) {
   PlanNode& node = nodes_[index];
+  if (!node.readable) return;  // what is wrong has been said
   Connections connections{{}, connections_[index].position, &diagnostics_};
   if (connections.position.line == 0) connections.position = node.position;
   for (const PlanInput& input : node.inputs) {

@@ -77,6 +77,8 @@ struct ModuleType {
   bool bounds_correlation = false;
   /// Its values depend on the errors that its inputs state, as a weighted mean's do.
   bool weighs_errors = false;
+  /// Its output is a statement about its inputs that has no error of its own, such as a test's.
+  bool states_no_error = false;
   /// Its outputs are checked where they are made: finite, with as many numbers as its payload has.
   bool checked = false;
 
@@ -116,6 +118,7 @@ void fill_declarations(ModuleType& type) {
   if constexpr (requires { M::commands(); }) type.commands = M::commands();
   if constexpr (requires { M::remembers; }) type.remembers = M::remembers;
   if constexpr (requires { M::weighs_errors; }) type.weighs_errors = M::weighs_errors;
+  if constexpr (requires { M::states_no_error; }) type.states_no_error = M::states_no_error;
   if constexpr (requires { M::bounds_correlation; })
     type.bounds_correlation = M::bounds_correlation;
   if constexpr (requires { &M::resolve; }) type.resolve = &M::resolve;
@@ -145,8 +148,9 @@ typename M::Options options_of(const Settings& settings) {
 /// The type of a sensor, an estimator, or a function of any payload: a class M derived from Module
 /// with static `name`, `description`, `kind` and `Interface interface()` (or `interface(const
 /// Options&)`), optionally `reference`, `faults`, `commands()`, `remembers`, `bounds_correlation`,
-/// `weighs_errors`, `resolve(const Connections&, Settings&, Interface&)`, `template <typename T>
-/// struct Parameters` and `struct Options`; constructed from its Options where it has them.
+/// `weighs_errors`, `states_no_error`, `resolve(const Connections&, Settings&, Interface&)`,
+/// `template <typename T> struct Parameters` and `struct Options`; constructed from its Options
+/// where it has them.
 template <typename M>
 requires std::derived_from<M, Module> ModuleType module_type() {
   ModuleType type;

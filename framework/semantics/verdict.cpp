@@ -238,12 +238,14 @@ bool holds(double coverage, double tolerance) {
 /// Judges one output by what was seen of it; without a pilot, whether one is needed.
 class Judgement {
  public:
-  Judgement(const ProbedOutput& output, const Estimate& estimate, const Sizes& sizes)
+  Judgement(const ProbedOutput& output, const Estimate& estimate, const Sizes& sizes,
+            bool states_no_error)
       : output_(output), estimate_(estimate) {
     if (!output.there) {
       report_.verdict = Verdict::invalid;
       return;
     }
+    if (states_no_error) return;
     doubtful_ = output.meets_fault || output.changes_label;
     for (std::size_t r = 0; r < output.moments.size(); ++r) {
       const Moments& moments = output.moments[r];
@@ -360,7 +362,8 @@ std::vector<VerdictReport> judge(const System& system, const std::vector<std::si
   std::vector<Judgement> judgements;
   judgements.reserve(probe.outputs().size());
   for (const ProbedOutput& output : probe.outputs())
-    judgements.emplace_back(output, system.node(output.node).output.estimate, sizes);
+    judgements.emplace_back(output, system.node(output.node).output.estimate, sizes,
+                            system.plan().nodes[output.node].type->states_no_error);
   const bool doubt = std::any_of(judgements.begin(), judgements.end(),
                                  [](const Judgement& judgement) { return judgement.doubtful(); });
   if (doubt) {

@@ -38,6 +38,7 @@ class ConsistencyModule final : public Module {
   static constexpr ModuleKind kind = ModuleKind::function;
   static constexpr bool bounds_correlation = true;
   static constexpr bool weighs_errors = true;
+  static constexpr bool states_no_error = true;
 
   static Interface interface();
   static void resolve(const Connections& connections, Settings& settings, Interface& interface);
