@@ -44,24 +44,6 @@ double half_width(Shape shape) {
   }
 }
 
-double Distribution::excess_kurtosis() const {
-  switch (shape) {
-    case Shape::uniform:
-      return -1.2;
-    case Shape::triangular:
-      return -0.6;
-    case Shape::arcsine:
-      return -1.5;
-    case Shape::empirical: {
-      double sum = 0;
-      for (const double x : *samples) sum += x * x * x * x;
-      return sum / static_cast<double>(samples->size()) - 3;
-    }
-    default:
-      return 0;
-  }
-}
-
 double draw_normal(RandomBits& random) {
   return boost::random::normal_distribution<double>()(random);
 }

@@ -18,9 +18,6 @@ struct Distribution {
   double degrees_of_freedom = 0;  ///< of a t distribution, above 2
   /// Of an empirical one: values of zero mean and unit variance, each as likely.
   std::shared_ptr<const std::vector<double>> samples = nullptr;
-
-  /// Fourth central moment minus 3; 0 for t, whose tails hardly change a 95 % interval.
-  double excess_kurtosis() const;
 };
 
 /// The name of a shape as users write it: "uniform", "t".

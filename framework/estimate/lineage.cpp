@@ -281,6 +281,36 @@ void compose(std::span<const LineageTerm> terms, std::size_t rows, Lineage& out)
   while (out.append_next(terms, next)) continue;
 }
 
+void compose_bounded(std::span<const LineageTerm> terms, std::size_t rows, Source first,
+                     Lineage& out) {
+  const auto m = static_cast<Eigen::Index>(rows);
+  Eigen::MatrixXd bound = Eigen::MatrixXd::Zero(m, m);
+  double carriers = 0;
+  std::vector<Lineage> persistent;
+  std::vector<LineageTerm> persistent_terms;
+  persistent.reserve(terms.size());
+  for (const LineageTerm& term : terms) {
+    const Lineage& lineage = *term.lineage;
+    const Eigen::Map<const Eigen::MatrixXd> jacobian(
+        term.jacobian, m, static_cast<Eigen::Index>(lineage.dimension()));
+    Lineage& kept = persistent.emplace_back(lineage.dimension());
+    bool any_random = false;
+    for (std::size_t k = 0; k < lineage.size(); ++k) {
+      if (lineage.sources()[k].persistent()) {
+        kept.add(lineage.sources()[k], lineage.column(k));
+        continue;
+      }
+      any_random = true;
+      const Eigen::VectorXd column = jacobian * lineage.factor().col(static_cast<Eigen::Index>(k));
+      bound += column * column.transpose();
+    }
+    carriers += any_random ? 1 : 0;
+    persistent_terms.push_back({term.jacobian, &kept});
+  }
+  compose(persistent_terms, rows, out);
+  out.add_noise(first, carriers * bound);
+}
+
 bool Lineage::append_next(std::span<const LineageTerm> terms, std::span<std::size_t> next) {
   // The least source that is left, and the least among the other terms: up to that one, the term
   // that holds the least stands alone, and its columns are mapped in one go.

@@ -84,6 +84,13 @@ struct LineageTerm {
 /// cost of a tick depend on its values.
 void compose(std::span<const LineageTerm> terms, std::size_t rows, Lineage& out);
 
+/// As `compose` where the correlation of the terms' random errors is not known: `out` has a
+/// covariance that is not below the true one, whatever it is, since Var(sum a_i) <= n sum Var(a_i)
+/// (Cauchy-Schwarz). Random columns become new ones, `first` and on; persistent ones are shared as
+/// the lineages say.
+void compose_bounded(std::span<const LineageTerm> terms, std::size_t rows, Source first,
+                     Lineage& out);
+
 /// Cov(a, b) = G_a G_bᵀ over their common sources (M_a x M_b).
 Eigen::MatrixXd cross_covariance(const Lineage& a, const Lineage& b);
 

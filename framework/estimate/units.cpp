@@ -126,6 +126,30 @@ std::variant<UnitConversion, std::string> find_conversion(std::string_view unit,
   return *result;
 }
 
+/// UDUNITS-2 is not thread-safe.
+std::mutex& udunits_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+/// A unit's definition in base units, without the factor before and the origin behind: "rad" of
+/// "0.017 rad", "K" of "K @ 273.15".
+std::optional<std::string> base_units_of(std::string_view unit) {
+  const UnitSystem& system = unit_system();
+  const UnitPointer parsed =
+      system.available() && is_unit_text(unit) ? system.parse(unit) : nullptr;
+  if (!parsed) return std::nullopt;
+  char buffer[512];
+  const int length = ut_format(parsed.get(), buffer, sizeof buffer, UT_ASCII | UT_DEFINITION);
+  if (length <= 0 || length >= static_cast<int>(sizeof buffer)) return std::nullopt;
+  std::string_view text(buffer, static_cast<std::size_t>(length));
+  text = text.substr(0, text.find(" @ "));
+  if (const std::size_t space = text.rfind(' '); space != std::string_view::npos)
+    text.remove_prefix(space + 1);
+  if (!text.empty() && (is_digit(text.front()) || text.front() == '-')) return "1";
+  return std::string(text);
+}
+
 std::string_view trim(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
   while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
@@ -157,11 +181,10 @@ std::string dimension_name(std::string_view si_unit) {
 std::variant<UnitConversion, std::string> unit_conversion(std::string_view unit,
                                                           std::string_view si_unit) {
   if (unit == si_unit) return UnitConversion{};
-  static std::mutex mutex;
   static std::map<std::pair<std::string, std::string>, std::variant<UnitConversion, std::string>,
                   std::less<>>
       known;
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(udunits_mutex());
   const std::pair<std::string, std::string> key{unit, si_unit};
   const auto found = known.find(key);
   if (found != known.end()) return found->second;
@@ -170,23 +193,14 @@ std::variant<UnitConversion, std::string> unit_conversion(std::string_view unit,
 
 std::optional<std::string> si_unit(std::string_view unit) {
   if (unit.empty() || unit == "1") return "1";
-  const UnitSystem& system = unit_system();
-  const UnitPointer parsed =
-      system.available() && is_unit_text(unit) ? system.parse(unit) : nullptr;
-  if (!parsed) return std::nullopt;
-  // Its definition in base units, without the factor before and the origin behind: "0.017 rad",
-  // "K @ 273.15". A unit such as the decibel has another form and does not convert.
-  char buffer[512];
-  const int length = ut_format(parsed.get(), buffer, sizeof buffer, UT_ASCII | UT_DEFINITION);
-  if (length <= 0 || length >= static_cast<int>(sizeof buffer)) return std::nullopt;
-  std::string_view text(buffer, static_cast<std::size_t>(length));
-  text = text.substr(0, text.find(" @ "));
-  if (const std::size_t space = text.rfind(' '); space != std::string_view::npos)
-    text.remove_prefix(space + 1);
-  std::string result(text);
-  if (!result.empty() && (is_digit(result.front()) || result.front() == '-')) result = "1";
-  if (!std::holds_alternative<UnitConversion>(unit_conversion(unit, result))) return std::nullopt;
-  return result;
+  std::optional<std::string> base;
+  {
+    const std::lock_guard lock(udunits_mutex());
+    base = base_units_of(unit);
+  }
+  if (!base || !std::holds_alternative<UnitConversion>(unit_conversion(unit, *base)))
+    return std::nullopt;
+  return base;
 }
 
 std::variant<QuantityText, std::string> split_quantity(std::string_view text) {

@@ -23,11 +23,15 @@ std::optional<std::size_t> first_common(const Nodes& a, const Nodes& b) {
   return common.empty() ? std::nullopt : std::optional(common.front());
 }
 
-/// Walks the plan, keeping for each node which blocks of earlier errors its output may hold.
+/// Walks the plan, keeping for each node which blocks of joined errors its output may hold, and
+/// which origins' errors of this tick it holds as they are.
 class CorrelationSearch {
  public:
   explicit CorrelationSearch(const Plan& plan)
-      : plan_(plan), blocks_(plan.nodes.size()), origins_(plan.nodes.size()) {}
+      : plan_(plan),
+        blocks_(plan.nodes.size()),
+        direct_(plan.nodes.size()),
+        origins_(plan.nodes.size()) {}
 
   std::vector<UnknownCorrelation> run() {
     for (std::size_t i = 0; i < plan_.nodes.size(); ++i) visit(i);
@@ -37,26 +41,48 @@ class CorrelationSearch {
  private:
   void visit(std::size_t i) {
     const PlanNode& node = plan_.nodes[i];
-    // Only plans with memory pay for it: without any, all sets stay empty.
+    if (node.inputs.empty()) direct_[i] = {i};
     bool meets = false;
     for (std::size_t a = 0; a < node.inputs.size(); ++a) {
       const std::size_t input = node.inputs[a].node;
       for (std::size_t b = 0; b < a && !meets; ++b) meets = report(i, node.inputs[b].node, input);
       blocks_[i] = united(blocks_[i], blocks_[input]);
+      direct_[i] = united(direct_[i], direct_[input]);
     }
     if (node.type->remembers && !meets && !blocks_[i].empty()) {
       const std::size_t earlier = blocks_[i].front();
       found_.push_back({i, earlier, earlier, origins_[earlier].front()});
       meets = true;
     }
-    if (node.type->remembers || (node.type->bounds_correlation && meets)) {
-      origins_[i] = origins_of(i);
-      blocks_[i] = {i};
-    }
+    // Where unknown correlation meets, the output's error is a bound, and a block like the others.
+    const bool severs = node.type->severs || meets;
+    if (!node.type->remembers && !severs) return;
+    origins_[i] = origins_of(i);
+    blocks_[i] = {i};
+    if (severs) direct_[i].clear();
   }
 
-  /// Whether two inputs hold different blocks of a common origin; reports the first such pair.
+  /// Whether a node's block takes up its inputs' errors of this tick, too.
+  bool severs(std::size_t block) const { return direct_[block].empty(); }
+
+  /// Whether two inputs hold different blocks of a common origin, or one a block and the other the
+  /// errors that went into it; reports the first such pair.
   bool report(std::size_t at, std::size_t a, std::size_t b) {
+    return report_blocks(at, a, b) || report_direct(at, a, b) || report_direct(at, b, a);
+  }
+
+  bool report_direct(std::size_t at, std::size_t with_blocks, std::size_t direct) {
+    for (const std::size_t block : blocks_[with_blocks]) {
+      if (!severs(block)) continue;
+      const auto origin = first_common(origins_[block], direct_[direct]);
+      if (!origin) continue;
+      found_.push_back({at, block, direct, *origin});
+      return true;
+    }
+    return false;
+  }
+
+  bool report_blocks(std::size_t at, std::size_t a, std::size_t b) {
     for (const std::size_t first : blocks_[a])
       for (const std::size_t second : blocks_[b]) {
         if (first == second) continue;  // the same sources: their lineages tell
@@ -83,7 +109,8 @@ class CorrelationSearch {
   }
 
   const Plan& plan_;
-  std::vector<Nodes> blocks_;   ///< of each node: nodes that keep earlier errors
+  std::vector<Nodes> blocks_;   ///< of each node: nodes that join errors
+  std::vector<Nodes> direct_;   ///< of each node: origins of errors of this tick
   std::vector<Nodes> origins_;  ///< of each such node: where these errors come from
   std::vector<UnknownCorrelation> found_;
 };
@@ -91,8 +118,9 @@ class CorrelationSearch {
 }  // namespace
 
 std::vector<UnknownCorrelation> find_unknown_correlations(const Plan& plan) {
-  const bool any = std::any_of(plan.nodes.begin(), plan.nodes.end(),
-                               [](const PlanNode& node) { return node.type->remembers; });
+  const bool any = std::any_of(plan.nodes.begin(), plan.nodes.end(), [](const PlanNode& node) {
+    return node.type->remembers || node.type->severs;
+  });
   if (!any) return {};
   return CorrelationSearch(plan).run();
 }
@@ -103,11 +131,11 @@ std::string describe(const UnknownCorrelation& unknown, const Plan& plan) {
   const std::string& origin = plan.nodes[unknown.origin].name;
   if (unknown.first == unknown.second)
     return fmt::format(
-        "'{}' takes its ticks for independent, but '{}' keeps earlier errors of '{}' in each", at,
+        "'{}' takes its ticks for independent, but '{}' holds earlier errors of '{}' in each", at,
         first, origin);
   return fmt::format(
-      "inputs of '{}' are of unknown correlation: '{}' and '{}' both keep earlier errors of '{}'",
-      at, first, plan.nodes[unknown.second].name, origin);
+      "inputs of '{}' are of unknown correlation: '{}' and '{}' both hold errors of '{}'", at,
+      first, plan.nodes[unknown.second].name, origin);
 }
 
 }  // namespace ilss

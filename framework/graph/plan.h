@@ -38,12 +38,13 @@ struct PlanNode {
   Position position = {};
 };
 
-/// Where estimates meet whose correlation no lineage tells: two nodes that each keep random errors
-/// of earlier ticks from a common origin (two filters fed by one sensor), or one that does (`first`
-/// and `second` alike) and feeds another that treats its ticks as independent.
+/// Where estimates meet whose correlation no lineage tells: two nodes that each join random errors
+/// of a common origin in a block (two filters fed by one sensor), one that does and another that
+/// holds these errors as they are, or one (`first` and `second` alike) that keeps those of earlier
+/// ticks and feeds another that treats its ticks as independent.
 struct UnknownCorrelation {
   std::size_t at = 0;     ///< the node where they meet
-  std::size_t first = 0;  ///< the nodes that keep earlier errors
+  std::size_t first = 0;  ///< the nodes that hold them
   std::size_t second = 0;
   std::size_t origin = 0;  ///< a node whose errors both have
 };

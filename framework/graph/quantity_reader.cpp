@@ -54,6 +54,9 @@ std::optional<double> read_width(const Node& node, std::string_view name,
   return number * scale;
 }
 
+/// A standard deviation of so many degrees of freedom counts as known.
+constexpr double as_good_as_known = 1e6;
+
 /// Scales values to zero mean and unit variance, which were `deviation` before; tells what is wrong
 /// with them, or nothing.
 std::string standardize(std::vector<double>& samples, double& deviation) {
@@ -68,7 +71,11 @@ std::string standardize(std::vector<double>& samples, double& deviation) {
     squares += x * x;
   }
   deviation = std::sqrt(squares / count);
-  if (!(deviation > 0) || !std::isfinite(deviation)) return "the values do not vary";
+  const double size =
+      std::accumulate(samples.begin(), samples.end(), std::abs(mean),
+                      [](double most, double x) { return std::max(most, std::abs(x)); });
+  constexpr double rounding = 1e-12;
+  if (!(deviation > rounding * size) || !std::isfinite(deviation)) return "the values do not vary";
   for (double& x : samples) x /= deviation;
   return {};
 }
@@ -132,10 +139,10 @@ void read_law(const Node& map, WrittenQuantity& quantity, Diagnostics& diagnosti
   if (degrees != nullptr) {
     const auto number = parse_quantity(degrees->text, "1");
     if (!degrees->is_scalar() || std::holds_alternative<std::string>(number) ||
-        !(std::get<double>(number) > 0))
-      diagnostics.add(degrees->position, "expected degrees of freedom, a number above 0, got " +
+        !(std::get<double>(number) >= 1))
+      diagnostics.add(degrees->position, "expected degrees of freedom, a number from 1 up, got " +
                                              degrees->description());
-    else
+    else if (std::get<double>(number) < as_good_as_known)
       quantity.degrees_of_freedom = std::get<double>(number);
   }
   if (law == nullptr) return;

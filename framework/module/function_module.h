@@ -186,7 +186,10 @@ class FunctionModule final : public Module {
         terms[count++] = {derivatives + rows * (column - First), &argument(evaluation, a).lineage};
       column += Signature::dimensions[a];
     }
-    compose({terms.data(), count}, rows, output.estimate.lineage);
+    if (evaluation.correlation_unknown) [[unlikely]]
+      compose_bounded({terms.data(), count}, rows, evaluation.fresh(0), output.estimate.lineage);
+    else
+      compose({terms.data(), count}, rows, output.estimate.lineage);
     if (!std::isfinite(sum_of_squares(output.estimate.lineage)))
       return Fault{FaultKind::not_finite, all_finite({derivatives, rows * columns})
                                               ? "the result's error is not finite"

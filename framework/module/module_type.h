@@ -73,8 +73,9 @@ struct ModuleType {
   /// Its output holds random errors of earlier ticks, joined in a block of its own: how that block
   /// goes with another of the same origin is not known.
   bool remembers = false;
-  /// It accounts for inputs of unknown correlation (Evaluation::correlation_unknown).
-  bool bounds_correlation = false;
+  /// It gives its inputs' random errors as a block of its own: how these go with the inputs is
+  /// lost.
+  bool severs = false;
   /// Its values depend on the errors that its inputs state, as a weighted mean's do.
   bool weighs_errors = false;
   /// Its output is a statement about its inputs that has no error of its own, such as a test's.
@@ -119,8 +120,7 @@ void fill_declarations(ModuleType& type) {
   if constexpr (requires { M::remembers; }) type.remembers = M::remembers;
   if constexpr (requires { M::weighs_errors; }) type.weighs_errors = M::weighs_errors;
   if constexpr (requires { M::states_no_error; }) type.states_no_error = M::states_no_error;
-  if constexpr (requires { M::bounds_correlation; })
-    type.bounds_correlation = M::bounds_correlation;
+  if constexpr (requires { M::severs; }) type.severs = M::severs;
   if constexpr (requires { &M::resolve; }) type.resolve = &M::resolve;
   if constexpr (HasParameters<M>)
     type.parameters = &descriptor<M::template Parameters>();
@@ -147,10 +147,10 @@ typename M::Options options_of(const Settings& settings) {
 
 /// The type of a sensor, an estimator, or a function of any payload: a class M derived from Module
 /// with static `name`, `description`, `kind` and `Interface interface()` (or `interface(const
-/// Options&)`), optionally `reference`, `faults`, `commands()`, `remembers`, `bounds_correlation`,
-/// `weighs_errors`, `states_no_error`, `resolve(const Connections&, Settings&, Interface&)`,
-/// `template <typename T> struct Parameters` and `struct Options`; constructed from its Options
-/// where it has them.
+/// Options&)`), optionally `reference`, `faults`, `commands()`, `remembers`, `severs`,
+/// `weighs_errors`, `states_no_error`, `resolve(const Connections&,
+/// Settings&, Interface&)`, `template <typename T> struct Parameters` and `struct Options`;
+/// constructed from its Options where it has them.
 template <typename M>
 requires std::derived_from<M, Module> ModuleType module_type() {
   ModuleType type;

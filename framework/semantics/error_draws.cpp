@@ -1,15 +1,23 @@
 #include "framework/semantics/error_draws.h"
 
+#include <map>
+#include <string_view>
+
 namespace ilss {
 
 ErrorDraws::ErrorDraws(std::span<const Source> sources, const SourceOwners& owners,
                        std::uint64_t seed) {
+  // Owners may share a name: an element of a vector constant, and a parameter of a module.
+  std::vector<std::uint64_t> namesakes_before;
+  std::map<std::string_view, std::uint64_t> namesakes;
+  for (const SourceOwner& owner : owners) namesakes_before.push_back(namesakes[owner.name]++);
   for (const Source& source : sources) {
     const bool listed = source.owner < owners.size();
     const SourceOwner owner = listed ? owners[source.owner] : SourceOwner{"a given source"};
     std::uint64_t stream = derive_seed(seed, owner.name);
     stream = derive_seed(stream, std::uint64_t{source.column});
     stream = derive_seed(stream, static_cast<std::uint64_t>(source.tick));
+    if (listed) stream = derive_seed(stream, namesakes_before[source.owner]);
     if (!listed) stream = derive_seed(stream, std::uint64_t{source.owner});
     streams_.push_back({stream, owner.distribution});
   }

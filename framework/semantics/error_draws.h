@@ -10,7 +10,8 @@
 namespace ilss {
 
 /// Draws of zero mean and unit variance for a list of sources, in blocks of trials. A source's
-/// draws follow from the seed, its owner's name, its column, tick and the trial's block.
+/// draws follow from the seed, its owner's name (and how many owners of that name come before), its
+/// column, tick and the trial's block.
 class ErrorDraws {
  public:
   static constexpr std::size_t block = 256;  ///< trials

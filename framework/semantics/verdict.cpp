@@ -13,10 +13,10 @@
 namespace ilss {
 namespace {
 
-/// How far sources are moved in search of another label or a fault (standard deviations).
-constexpr double search_distance = 3.0;
 /// Of the pilot's trials: the same system always gets the same verdict.
 constexpr std::uint64_t pilot_seed = 0;
+/// What counts for rounding, against the numbers that an output is made of.
+constexpr double relative_rounding = 1e-12;
 /// With more sources than this, not every pair is moved.
 constexpr std::size_t most_paired_sources = 12;
 
@@ -26,25 +26,23 @@ struct Moments {
   double squared_curvature = 0;  ///< of their squares
   double secant_variance = 0;    ///< of squared central differences
   double mixed_variance = 0;     ///< second-order variance of sources moving together
-  double excess_kurtosis = 0;    ///< of fourth powers of central differences by their laws'
 
   double bias() const { return curvature / 2; }
   double second_order_variance() const { return squared_curvature / 2 + mixed_variance; }
 };
 
-/// Whether first order holds along a direction beyond doubt. `size` is of the numbers that make it
-/// up: an error of their rounding is no error.
+/// Whether the second order is small along a direction. `size` is of the numbers that make it up:
+/// an error of their rounding is no error.
 bool is_clear(const Moments& moments, double variance, double size) {
   const double bias = std::abs(moments.bias());
   const double extra = moments.second_order_variance();
   const double change = std::abs(moments.secant_variance - variance);
-  const double rounding = 1e-12 * size;
+  const double rounding = relative_rounding * size;
   if (bias <= rounding && std::sqrt(extra) <= rounding && std::sqrt(change) <= rounding)
-    return std::abs(moments.excess_kurtosis) <= clear_excess_kurtosis * variance * variance;
+    return true;
   return bias <= clear_relative_bias * std::sqrt(variance) &&
          extra <= clear_relative_variance * variance &&
-         change <= clear_relative_variance * variance &&
-         std::abs(moments.excess_kurtosis) <= clear_excess_kurtosis * variance * variance;
+         change <= clear_relative_variance * variance;
 }
 
 /// The directions in which an output's error is judged, as rows: its components, and the principal
@@ -130,12 +128,6 @@ class Probe {
         gather(outputs_[o].moments[r], o, static_cast<Eigen::Index>(r));
   }
 
-  double excess_kurtosis(std::size_t k) const {
-    const SourceOwners& owners = system_.plan().owners;
-    const std::uint32_t owner = perturbation_.sources()[k].owner;
-    return owner < owners.size() ? owners[owner].distribution.excess_kurtosis() : 0.0;
-  }
-
   /// One source at a time, to both sides.
   void move_each() {
     const double step = std::sqrt(3.0);
@@ -144,19 +136,13 @@ class Probe {
       const Offsets above = offsets();
       errors_[k] = -step;
       const Offsets below = offsets();
-      const double kurtosis = excess_kurtosis(k);
       for_each_direction([&](Moments& m, std::size_t o, Eigen::Index r) {
         const double second = (above[o][r] + below[o][r]) / (step * step);
         const double secant = (above[o][r] - below[o][r]) / (2 * step);
         m.curvature += second;
         m.squared_curvature += second * second;
         m.secant_variance += secant * secant;
-        m.excess_kurtosis += kurtosis * secant * secant * secant * secant;
       });
-      for (const double distance : {search_distance, -search_distance}) {
-        errors_[k] = distance;
-        offsets();
-      }
       errors_[k] = 0;
     }
   }
@@ -188,7 +174,6 @@ class Probe {
     constexpr int draws = 48;
     RandomBits random(0);
     std::vector<double> signs(errors_.size());
-    const double to_distance = search_distance / std::sqrt(static_cast<double>(signs.size()));
     const auto offsets_at = [&](double factor) {
       for (std::size_t k = 0; k < signs.size(); ++k) errors_[k] = factor * signs[k];
       return offsets();
@@ -201,8 +186,6 @@ class Probe {
         const double mixed = (above[o][r] + below[o][r]) / 2 - m.bias();
         m.mixed_variance += mixed * mixed / draws;
       });
-      offsets_at(to_distance);
-      offsets_at(-to_distance);
     }
   }
 
@@ -230,23 +213,30 @@ Sizes sizes_of(const System& system, const Perturbation& perturbation) {
   return result;
 }
 
-/// Whether the pilot's share inside an interval is what it should be.
-bool holds(double coverage, double tolerance) {
-  return std::isnan(coverage) || std::abs(coverage - 0.95) <= tolerance;
+/// The largest spread that is but rounding, of a component.
+double rounding_of(const Estimate& estimate, std::size_t component, const Sizes& sizes) {
+  return relative_rounding * sizes.at(estimate.type->components[component].unit);
 }
 
-/// Judges one output by what was seen of it; without a pilot, whether one is needed.
+/// How far the trials of a look may be from what first order states.
+struct Tolerances {
+  double coverage;   ///< of the share inside an interval or ellipsoid
+  double mean;       ///< in standard deviations
+  double deviation;  ///< relative
+};
+/// Three standard deviations of what as many trials scatter, if all is as stated.
+constexpr Tolerances glance_tolerances{0.029, 0.135, 0.095};
+constexpr Tolerances pilot_tolerances{pilot_tolerance, 0.5, 0.3};
+
+/// Judges one output by its second order and by trials.
 class Judgement {
  public:
   Judgement(const ProbedOutput& output, const Estimate& estimate, const Sizes& sizes,
             bool states_no_error)
-      : output_(output), estimate_(estimate) {
-    if (!output.there) {
-      report_.verdict = Verdict::invalid;
-      return;
-    }
-    if (states_no_error) return;
-    doubtful_ = output.meets_fault || output.changes_label;
+      : output_(output), estimate_(estimate), sizes_(sizes), judged_(!states_no_error) {
+    judged_ &= output.there;
+    if (!output.there) report_.verdict = Verdict::invalid;
+    if (!judged_) return;
     for (std::size_t r = 0; r < output.moments.size(); ++r) {
       const Moments& moments = output.moments[r];
       const bool is_component = r < estimate.dimension();
@@ -254,9 +244,9 @@ class Judgement {
       const double size = is_component ? sizes.at(estimate.type->components[r].unit) : 0.0;
       const bool negligible = is_component && is_negligible(moments, r, variance);
       const bool clear = negligible || is_clear(moments, variance, size);
-      doubtful_ |= !clear;
+      clear_ &= clear;
       if (!is_component) continue;
-      clear_.push_back(clear);
+      clear_component_.push_back(clear);
       negligible_.push_back(negligible);
       report_.components.push_back(Verdict::linear_ok);
       report_.bias.push_back(moments.bias());
@@ -265,9 +255,16 @@ class Judgement {
     }
   }
 
-  bool doubtful() const { return doubtful_; }
+  /// Whether more than a glance is needed.
+  bool doubtful(const MonteCarloOutput& glance) const {
+    if (!judged_) return false;
+    if (!clear_ || output_.meets_fault || glance.faults > 0) return true;
+    for (std::size_t c = 0; c < estimate_.dimension(); ++c)
+      if (!negligible_[c] && !holds(c, glance, glance_tolerances)) return true;
+    return !holds_together(glance, glance_tolerances.coverage);
+  }
 
-  /// Decides by trials.
+  /// Decides by many trials.
   void take_pilot(const MonteCarloOutput& pilot) {
     report_.piloted = true;
     const auto trials = static_cast<double>(pilot.trials + pilot.faults);
@@ -281,10 +278,10 @@ class Judgement {
     for (std::size_t c = 0; c < estimate_.dimension(); ++c) {
       report_.components[c] = judge_component(c, pilot);
       report_.verdict = std::max(report_.verdict, report_.components[c]);
+      if (report_.components[c] == Verdict::monte_carlo_required && clear_component_[c])
+        report_.reason = "the error is not a normal one, though its second order is small";
     }
-    if (report_.verdict == Verdict::monte_carlo_required) explain_required();
-    if (report_.verdict != Verdict::linear_ok || holds(pilot.joint_coverage, pilot_tolerance))
-      return;
+    if (report_.verdict != Verdict::linear_ok || holds_together(pilot, pilot_tolerance)) return;
     report_.verdict = Verdict::second_order;
     report_.reason = output_.changes_label
                          ? "another case is near, and the components' errors together are not as "
@@ -295,21 +292,39 @@ class Judgement {
   VerdictReport report() && { return std::move(report_); }
 
  private:
-  /// Where it is not curvature, it is the law of a source.
-  void explain_required() {
-    for (std::size_t c = 0; c < report_.components.size(); ++c) {
-      const double variance = estimate_.lineage.variance(c);
-      const bool unlike_normal = std::abs(output_.moments[c].excess_kurtosis) >
-                                 clear_excess_kurtosis * variance * variance;
-      if (report_.components[c] == Verdict::monte_carlo_required && unlike_normal)
-        report_.reason = "sources whose law is not normal make most of the error";
-    }
+  static bool near(double coverage, double tolerance) {
+    return std::isnan(coverage) || std::abs(coverage - 0.95) <= tolerance;
   }
 
+  /// Whether a component's trials are as first order states.
+  bool holds(std::size_t c, const MonteCarloOutput& look, const Tolerances& tolerances) const {
+    const auto i = static_cast<Eigen::Index>(c);
+    const double stated = estimate_.lineage.standard_deviation(c);
+    const double drawn = std::sqrt(look.covariance(i, i));
+    double bias = look.mean[i] - estimate_.value[c];
+    if (estimate_.type->components[c].circular) bias = wrap_angle(bias);
+    if (std::max({drawn, stated, std::abs(bias)}) <= rounding_of(estimate_, c, sizes_)) return true;
+    return stated > 0 && near(look.coverage[c], tolerances.coverage) &&
+           std::abs(bias) <= tolerances.mean * stated &&
+           std::abs(drawn - stated) <= tolerances.deviation * stated;
+  }
+
+  /// Whether the ellipsoid holds what it should; one that is thin by rounding says nothing.
+  bool holds_together(const MonteCarloOutput& look, double tolerance) const {
+    for (std::size_t c = 0; c < estimate_.dimension(); ++c) {
+      const double stated = estimate_.lineage.standard_deviation(c);
+      if (stated > 0 && stated <= rounding_of(estimate_, c, sizes_)) return true;
+    }
+    return near(look.joint_coverage, tolerance);
+  }
+
+  /// Pure numbers have no unit that would make them comparable.
   bool is_negligible(const Moments& moments, std::size_t component, double variance) const {
+    const std::string& unit = estimate_.type->components[component].unit;
+    if (unit == "1") return false;
     double largest = 0;
     for (std::size_t c = 0; c < estimate_.dimension(); ++c)
-      if (estimate_.type->components[c].unit == estimate_.type->components[component].unit)
+      if (estimate_.type->components[c].unit == unit)
         largest = std::max(largest, estimate_.lineage.variance(c));
     const double bias = moments.bias();
     return std::max(variance, moments.secant_variance) + moments.second_order_variance() +
@@ -321,11 +336,11 @@ class Judgement {
     const double variance = estimate_.lineage.variance(c);
     const double second_order = output_.moments[c].second_order_variance();
     if (negligible_[c]) return Verdict::linear_ok;
-    if (!clear_[c] && second_order > variance) return Verdict::monte_carlo_required;
-    if (holds(pilot.coverage[c], pilot_tolerance)) return Verdict::linear_ok;
+    if (!clear_component_[c] && second_order > variance) return Verdict::monte_carlo_required;
+    if (holds(c, pilot, pilot_tolerances)) return Verdict::linear_ok;
     const double corrected = variance + report_.extra_variance[c];
     const double miss =
-        corrected > 0
+        corrected > 0 && variance > 0
             ? std::abs(pilot.coverage_around(c, report_.bias[c], std::sqrt(corrected)) - 0.95)
             : 1.0;
     return miss <= 2 * pilot_tolerance ? Verdict::second_order : Verdict::monte_carlo_required;
@@ -333,9 +348,11 @@ class Judgement {
 
   const ProbedOutput& output_;
   const Estimate& estimate_;
-  std::vector<bool> clear_;
+  const Sizes& sizes_;
+  bool judged_;
+  bool clear_ = true;  ///< of all directions
+  std::vector<bool> clear_component_;
   std::vector<bool> negligible_;
-  bool doubtful_ = false;
   VerdictReport report_;
 };
 
@@ -364,12 +381,14 @@ std::vector<VerdictReport> judge(const System& system, const std::vector<std::si
   for (const ProbedOutput& output : probe.outputs())
     judgements.emplace_back(output, system.node(output.node).output.estimate, sizes,
                             system.plan().nodes[output.node].type->states_no_error);
-  const bool doubt = std::any_of(judgements.begin(), judgements.end(),
-                                 [](const Judgement& judgement) { return judgement.doubtful(); });
-  if (doubt) {
+  const auto glance = run_monte_carlo(system, perturbation, glance_trials, pilot_seed);
+  std::vector<char> doubtful(judgements.size(), 0);
+  for (std::size_t o = 0; o < judgements.size(); ++o)
+    doubtful[o] = judgements[o].doubtful(glance[o]);
+  if (std::count(doubtful.begin(), doubtful.end(), 1) > 0) {
     const auto pilot = run_monte_carlo(system, perturbation, pilot_trials, pilot_seed);
     for (std::size_t o = 0; o < judgements.size(); ++o)
-      if (judgements[o].doubtful()) judgements[o].take_pilot(pilot[o]);
+      if (doubtful[o]) judgements[o].take_pilot(pilot[o]);
   }
   std::vector<VerdictReport> reports;
   reports.reserve(judgements.size());

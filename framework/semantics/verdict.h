@@ -26,39 +26,41 @@ struct VerdictReport {
   std::vector<double> bias = {};  ///< second-order shift of the mean
   std::vector<double> extra_variance =
       {};                ///< variance beyond the first-order one; may be negative
-  bool piloted = false;  ///< whether the second order was in doubt and trials drawn
+  bool piloted = false;  ///< whether a pilot was needed
 };
 
-/// First order is believed at once where, in every component and along every principal axis of the
-/// covariance, the second-order bias stays below this part of the standard deviation, ...
+/// The second order is small where, in every component and along every principal axis of the
+/// covariance, its bias stays below this part of the standard deviation, ...
 inline constexpr double clear_relative_bias = 0.05;
-/// ... what is added to the variance, and what sources of sqrt(3) standard deviations really do to
-/// it, below this part of it, ...
+/// ... and what is added to the variance, and what sources of sqrt(3) standard deviations really do
+/// to it, below this part of it.
 inline constexpr double clear_relative_variance = 0.02;
-/// ... and the excess kurtosis that sources of other laws than the normal bring below this. ...
-inline constexpr double clear_excess_kurtosis = 0.5;
-/// ... Otherwise so many trials are drawn, ...
+/// So many trials are drawn in any case, for what no derivative shows: kinks, steps, limits,
+/// products of three, laws that are not normal.
+inline constexpr std::size_t glance_trials = 512;
+/// Where either is in doubt, so many, ...
 inline constexpr std::size_t pilot_trials = 2000;
 /// ... and the share inside each 95 % interval, and inside the ellipsoid, may be off by this much;
 /// around the corrected mean by twice as much.
 inline constexpr double pilot_tolerance = 0.02;
-/// A component whose whole error, to second order, is less than this part of the largest standard
-/// deviation among the output's components of its unit is not judged by itself.
+/// A component with a unit whose whole error, to second order, is less than this part of the
+/// largest standard deviation among the output's components of that unit is not judged by itself.
 inline constexpr double negligible_error = 1e-3;
 /// A larger share of trials without an answer makes `invalid`.
 inline constexpr double largest_fault_share = 0.01;
 
-/// Judges the system's outputs as they stand after a tick or an expectation, in two steps.
-/// First the second order: each source of the outputs' sensors, estimators and parameters is moved
-/// by ±sqrt(3) standard deviations (the points of third-order Gauss-Hermite quadrature) and the
+/// Judges the system's outputs as they stand after a tick or an expectation, in three steps.
+/// The second order: each source of the outputs' sensors, estimators and parameters is moved by
+/// ±sqrt(3) standard deviations (the points of third-order Gauss-Hermite quadrature) and the
 /// functions behind it are evaluated again, so that curvature of the whole chain counts, not that
 /// of single modules; then pairs are moved together, for what sources only do in company (x y at
-/// 0, 0): each pair of up to 12 sources, random signs of all where there are more. Where that is
-/// small and no fault or other label (the wedge's case) lies within 3 standard deviations, the
-/// verdict is linear_ok. Where not, a pilot of Monte Carlo trials decides; where the second order
-/// makes the larger part of a variance, it is monte_carlo_required in any case. `cut` names
-/// function nodes whose outputs were given and are to be moved themselves. One report an output;
-/// an output that is not there is `invalid`. docs/error_model.md has its misses and false alarms.
+/// 0, 0): each pair of up to 12 sources, random signs of all where there are more. A glance: few
+/// trials of Monte Carlo, in which intervals, ellipsoid, mean and standard deviation must be as
+/// stated but for what so few scatter. Where one of these is in doubt, a pilot of more trials
+/// decides; where the second order makes the larger part of a variance, or a component has no
+/// first-order error but one in the trials, it is monte_carlo_required. `cut` names function nodes
+/// whose outputs were given and are to be moved themselves. One report an output; an output that is
+/// not there is `invalid`. docs/error_model.md has misses and false alarms.
 std::vector<VerdictReport> judge(const System& system, const std::vector<std::size_t>& cut = {});
 
 }  // namespace ilss

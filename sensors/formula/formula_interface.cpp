@@ -204,7 +204,10 @@ void ArgumentReader::propagate(const Evaluation& evaluation, std::span<const dou
                                std::size_t rows, Lineage& lineage) {
   for (std::size_t i = 0; i < terms_.size(); ++i)
     terms_[i] = {jacobian.data() + rows * first_[i], &group(evaluation, i).lineage};
-  compose(terms_, rows, lineage);
+  if (evaluation.correlation_unknown)
+    compose_bounded(terms_, rows, evaluation.fresh(0), lineage);
+  else
+    compose(terms_, rows, lineage);
 }
 
 Outcome<> check_finite(const Estimate& estimate) {

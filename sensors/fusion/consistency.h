@@ -36,7 +36,6 @@ class ConsistencyModule final : public Module {
       "how likely the differences of several estimates are, if they are honest";
   static constexpr std::string_view reference = "Bar-Shalom, Li & Kirubarajan 2001, sec. 5.4";
   static constexpr ModuleKind kind = ModuleKind::function;
-  static constexpr bool bounds_correlation = true;
   static constexpr bool weighs_errors = true;
   static constexpr bool states_no_error = true;
 

@@ -79,19 +79,24 @@ Outcome<> intersect_covariances(const Evaluation& evaluation, Estimate& estimate
   const Intersection intersection = intersection_of(joint);
   const Eigen::Index m = joint.dimension;
   Eigen::MatrixXd gains(m, m * joint.count);
-  Eigen::MatrixXd bound = Eigen::MatrixXd::Zero(m, m);
   Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(m, m);
   for (Eigen::Index i = 0; i < joint.count; ++i) {
-    const auto input = static_cast<std::size_t>(i);
-    const Eigen::MatrixXd gain_per_weight =
-        intersection.covariance * intersection.information[input];
-    gains.middleCols(i * m, m) = intersection.weights[i] * gain_per_weight;
+    gains.middleCols(i * m, m) = intersection.weights[i] * intersection.covariance *
+                                 intersection.information[static_cast<std::size_t>(i)];
     rest -= gains.middleCols(i * m, m);
-    bound += intersection.weights[i] * gain_per_weight *
-             random_covariance(inputs[input]->estimate.lineage, joint.scale) *
-             gain_per_weight.transpose();
   }
-  gains.leftCols(m) += rest;  // rounding: the gains add up to the identity
+  // Rounding: the gains add up to the identity. What makes up for it goes where it costs least.
+  Eigen::Index heaviest = 0;
+  intersection.weights.maxCoeff(&heaviest);
+  gains.middleCols(heaviest * m, m) += rest;
+  Eigen::MatrixXd bound = Eigen::MatrixXd::Zero(m, m);
+  for (Eigen::Index i = 0; i < joint.count; ++i) {
+    if (intersection.weights[i] <= 0) continue;  // its gain is 0
+    const auto gain = gains.middleCols(i * m, m);
+    bound += gain *
+             random_covariance(inputs[static_cast<std::size_t>(i)]->estimate.lineage, joint.scale) *
+             gain.transpose() / intersection.weights[i];
+  }
   write_combination(inputs, joint, gains, estimate);
   estimate.lineage.reset(static_cast<std::size_t>(m));
   for (Eigen::Index i = 0; i < joint.count; ++i)

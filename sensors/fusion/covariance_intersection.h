@@ -33,7 +33,7 @@ class CovarianceIntersection final : public Module {
   static constexpr std::string_view reference = "Julier & Uhlmann 1997; split form 2001";
   static constexpr ModuleKind kind = ModuleKind::function;
   static constexpr std::array faults = {FaultKind::degenerate};
-  static constexpr bool bounds_correlation = true;
+  static constexpr bool severs = true;
   static constexpr bool weighs_errors = true;
 
   static Interface interface();

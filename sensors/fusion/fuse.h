@@ -28,7 +28,6 @@ class Fuse final : public Module {
       "Aitken 1936; Bar-Shalom & Campo 1986; Julier & Uhlmann 1997 where correlation is unknown";
   static constexpr ModuleKind kind = ModuleKind::function;
   static constexpr std::array faults = {FaultKind::degenerate};
-  static constexpr bool bounds_correlation = true;
   static constexpr bool weighs_errors = true;
 
   static Interface interface();

@@ -10,9 +10,9 @@ namespace {
 
 const std::string graph = "tests/data/unknown_correlation.yaml";
 const std::string of_again =
-    "'again' takes its ticks for independent, but 'all' keeps earlier errors of 'sonar' in each";
+    "'again' takes its ticks for independent, but 'all' holds earlier errors of 'sonar' in each";
 const std::string of_fused =
-    "inputs of 'fused' are of unknown correlation: 'all' and 'latest' both keep earlier errors of "
+    "inputs of 'fused' are of unknown correlation: 'all' and 'latest' both hold errors of "
     "'sonar'";
 
 TEST(UnknownCorrelation, CheckNotesWhereSuchEstimatesMeet) {

@@ -1,4 +1,4 @@
-// Laws of error: unit variance, their ends and their kurtosis, by many draws.
+// Laws of error: unit variance and their ends, by many draws.
 #include "framework/estimate/distribution.h"
 
 #include <gtest/gtest.h>
@@ -20,26 +20,21 @@ Distribution law(Shape shape) {
 
 class EveryLaw : public testing::TestWithParam<Shape> {};
 
-TEST_P(EveryLaw, HasZeroMeanUnitVarianceAndItsKurtosis) {
+TEST_P(EveryLaw, HasZeroMeanAndUnitVarianceWithinItsEnds) {
   const Distribution distribution = law(GetParam());
   RandomBits random(17);
   constexpr int draws = 1'000'000;
   double sum = 0;
   double squares = 0;
-  double fourth = 0;
   double largest = 0;
   for (int i = 0; i < draws; ++i) {
     const double x = draw(distribution, random);
     sum += x;
     squares += x * x;
-    fourth += x * x * x * x;
     largest = std::max(largest, std::abs(x));
   }
   EXPECT_NEAR(sum / draws, 0, 0.005);
   EXPECT_NEAR(squares / draws, 1, 0.01);
-  if (GetParam() != Shape::student_t) {
-    EXPECT_NEAR(fourth / draws - 3, distribution.excess_kurtosis(), 0.03);
-  }
   if (half_width(GetParam()) > 0) {
     EXPECT_LE(largest, half_width(GetParam()));
     EXPECT_GT(largest, 0.99 * half_width(GetParam()));

@@ -91,7 +91,7 @@ TEST(ReadEstimate, SaysWhatIsWrong) {
       {"{a: 1}", "1:5: '1' has no unit; expected a length (m)"},
       {"{a: {value: 1 m, std: -1 mm}}", "1:23: a std cannot be negative, got '-1 mm'"},
       {"{a: {value: 1 m, std: 1 deg}}", "1:23: std '1 deg' does not fit its value in 'm'"},
-      {"{a: {value: 1 m, std: 1}}", "1:23: std '1' does not fit its value in 'm'"},
+      {"{a: {value: 1 m, std: 1}}", "1:23: std '1' has no unit; expected a length (m)"},
       {"{a: {value: 0, std: 2}}", "1:13: the std '2' has no unit; expected a length (m)"},
       {"{a: {value: 1 m, std: 1e200 m}}", "1:13: '1 m' is too large, or its std is"},
       {"{a: {std: 1 m}}", "1:5: a quantity needs its value"},

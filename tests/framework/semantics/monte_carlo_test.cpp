@@ -31,11 +31,11 @@ TEST(MonteCarlo, OfALinearSumIsItsFirstOrder) {
 modules: {x: {type: reading, value: 1 m, value_std: 3 mm}, y: {type: reading, value: 2 m, value_std: 4 mm}, a: {type: add}}
 network: {serial: [combine: [x, y], a]}
 )");
-  const MonteCarloOutput result = run(plan);
-  EXPECT_EQ(result.trials, 200'000U);
+  const MonteCarloOutput result = run(plan, {.trials = 4'000'000});
+  EXPECT_EQ(result.trials, 4'000'000U);
   EXPECT_EQ(result.faults, 0U);
-  EXPECT_NEAR(result.mean[0], 3, 5 * 5e-3 / std::sqrt(200e3));
-  EXPECT_NEAR(std::sqrt(result.covariance(0, 0)), 5e-3, 5e-3 * 5 / std::sqrt(400e3));
+  EXPECT_NEAR(result.mean[0], 3, 5 * 5e-3 / std::sqrt(4e6));
+  EXPECT_NEAR(std::sqrt(result.covariance(0, 0)), 5e-3, 5e-3 * 5 / std::sqrt(8e6));
   EXPECT_NEAR(result.coverage[0], 0.95, 0.0025);
   EXPECT_EQ(result.agreeing_digits[0], 2);
 }
@@ -129,6 +129,16 @@ modules: {x: {type: reading, value: 0 m, bias: $v.a}, y: {type: reading, value: 
 network: {serial: [combine: [x, y], s]}
 )");
   EXPECT_NEAR(run(plan).covariance(0, 0), 0.2, 0.005);
+}
+
+TEST(MonteCarlo, SourcesOfOneNameAreDrawnApart) {
+  // The element `left.bias` of a vector, and the parameter `bias` of the module `left`.
+  const Plan plan = plan_of(R"(
+constants: {left: {value: {bias: {value: 0 m, std: 1 m}}}}
+modules: {left: {type: reading, value: 0 m, bias: {value: 0 m, std: 1 m}}, y: {type: reading, value: 0 m, bias: $left.bias}, s: {type: subtract}}
+network: {serial: [combine: [left, y], s]}
+)");
+  EXPECT_NEAR(run(plan).covariance(0, 0), 2, 0.05);
 }
 
 TEST(MonteCarlo, CountsTrialsWithoutAnAnswer) {
