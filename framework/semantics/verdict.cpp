@@ -338,12 +338,15 @@ class Judgement {
     if (negligible_[c]) return Verdict::linear_ok;
     if (!clear_component_[c] && second_order > variance) return Verdict::monte_carlo_required;
     if (holds(c, pilot, pilot_tolerances)) return Verdict::linear_ok;
-    const double corrected = variance + report_.extra_variance[c];
-    const double miss =
-        corrected > 0 && variance > 0
-            ? std::abs(pilot.coverage_around(c, report_.bias[c], std::sqrt(corrected)) - 0.95)
-            : 1.0;
-    return miss <= 2 * pilot_tolerance ? Verdict::second_order : Verdict::monte_carlo_required;
+    if (variance <= 0 || variance + report_.extra_variance[c] <= 0)
+      return Verdict::monte_carlo_required;
+    const double corrected = std::sqrt(variance + report_.extra_variance[c]);
+    const auto i = static_cast<Eigen::Index>(c);
+    const bool as_corrected =
+        near(pilot.coverage_around(c, report_.bias[c], corrected), 2 * pilot_tolerance) &&
+        std::abs(std::sqrt(pilot.covariance(i, i)) - corrected) <=
+            pilot_tolerances.deviation * corrected;
+    return as_corrected ? Verdict::second_order : Verdict::monte_carlo_required;
   }
 
   const ProbedOutput& output_;

@@ -117,7 +117,7 @@ TEST(Predict, BadErrorsAreRefusedWhereTheyStand) {
             "expected one of normal, uniform, triangular, arcsine, t, or {samples: FILE}, got "
             "'unifrm'; did you mean 'uniform'?");
   EXPECT_EQ(refused("{value: 1, std: 1, degrees_of_freedom: 0}"),
-            "expected degrees of freedom, a number above 0, got '0'");
+            "expected degrees of freedom, a number from 1 up, got '0'");
   EXPECT_EQ(refused("{value: 1, distribution: uniform}"),
             "a distribution is that of an error; give its std, too");
 }

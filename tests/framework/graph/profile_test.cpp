@@ -9,15 +9,17 @@
 namespace ilss {
 namespace {
 
-/// A file in the tests' temporary folder that holds `text`.
+/// A file of this test alone that holds `text`.
 std::filesystem::path file_of(const std::string& name, const std::string& text) {
-  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / name;
+  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) /
+                                     (std::string("ilss_") + test->name() + "_" + name);
   std::ofstream(path) << text;
   return path;
 }
 
 std::vector<std::string> problems_of(const std::string& text) {
-  const std::filesystem::path path = file_of("ilss_profile_problem.yaml", text);
+  const std::filesystem::path path = file_of("problem.yaml", text);
   Diagnostics diagnostics;
   (void)read_profile(path, diagnostics);
   std::vector<std::string> problems;

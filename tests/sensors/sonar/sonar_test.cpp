@@ -37,7 +37,9 @@ Tick tick_at(std::int64_t number, std::uint64_t seed = 1) {
 }
 
 std::string write_file(const std::string& name, const std::string& text) {
-  const std::string path = ::testing::TempDir() + "/" + name;
+  // Of this test alone: others run beside it.
+  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  const std::string path = ::testing::TempDir() + "/ilss_" + test->name() + "_" + name;
   std::ofstream(path) << text;
   return path;
 }
