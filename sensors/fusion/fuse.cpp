@@ -22,6 +22,9 @@ Eigen::MatrixXd best_gains(const JointEstimates& joint, const JointDeviations& d
     gains -= mean_factor * deviations.sources *
              deviations.standard_deviations.cwiseInverse().asDiagonal() *
              deviations.directions.transpose();
+  // Together they are the identity, as the combination of the values takes for granted.
+  gains.leftCols(m) = identity;
+  for (Eigen::Index i = 1; i < joint.count; ++i) gains.leftCols(m) -= gains.middleCols(i * m, m);
   // So that what is exact comes out exact.
   constexpr double rounding = 1e-13;
   return gains.unaryExpr([](double gain) {
