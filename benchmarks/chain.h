@@ -37,6 +37,7 @@ class PlusOne final : public Module {
   static constexpr std::string_view name = "plus_one";
   static constexpr std::string_view description = "Adds one";
   static constexpr ModuleKind kind = ModuleKind::function;
+  static constexpr bool checked = true;
   static Interface interface() {
     return {{{"number", &descriptor<Number>(), {}, false}}, &descriptor<Number>(), {}, 0};
   }

@@ -60,6 +60,7 @@ System::System(const Plan& plan, std::uint64_t seed, Folding folding)
     state.dimension_ = static_cast<std::uint32_t>(node.interface.output->dimension());
     state.label_count_ = static_cast<std::uint32_t>(node.interface.output->labels.size());
     state.is_checked_ = node.type->checked;
+    state.correlation_unknown_ = node.correlation_unknown;
     for (const PlanInput& input : node.inputs) {
       const NodeState& producer = nodes_[input.node];
       state.feeds_.push_back({&producer, input.max_age.value_or(INFINITY)});
@@ -82,7 +83,7 @@ void System::begin_tick(double time) {
           .owner = static_cast<std::uint32_t>(i),
           .parameters = plan_->nodes[i].parameters,
           .inputs = state.inputs_,
-          .correlation_unknown = plan_->nodes[i].correlation_unknown};
+          .correlation_unknown = state.correlation_unknown_};
 }
 
 void System::evaluate(double time) {

@@ -43,6 +43,7 @@ struct NodeState {
   std::uint32_t dimension_ = 0;    ///< of its payload, ...
   std::uint32_t label_count_ = 0;  ///< ... which the module is held to, ...
   bool is_checked_ = false;        ///< ... unless it is held to it where it is made
+  bool correlation_unknown_ = false;
 };
 
 /// A plan's modules at work. Copies nothing of the plan, which must outlive it.

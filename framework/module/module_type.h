@@ -120,6 +120,7 @@ void fill_declarations(ModuleType& type) {
   if constexpr (requires { M::remembers; }) type.remembers = M::remembers;
   if constexpr (requires { M::weighs_errors; }) type.weighs_errors = M::weighs_errors;
   if constexpr (requires { M::states_no_error; }) type.states_no_error = M::states_no_error;
+  if constexpr (requires { M::checked; }) type.checked = M::checked;
   if constexpr (requires { M::severs; }) type.severs = M::severs;
   if constexpr (requires { &M::resolve; }) type.resolve = &M::resolve;
   if constexpr (HasParameters<M>)
@@ -147,7 +148,7 @@ typename M::Options options_of(const Settings& settings) {
 
 /// The type of a sensor, an estimator, or a function of any payload: a class M derived from Module
 /// with static `name`, `description`, `kind` and `Interface interface()` (or `interface(const
-/// Options&)`), optionally `reference`, `faults`, `commands()`, `remembers`, `severs`,
+/// Options&)`), optionally `reference`, `faults`, `commands()`, `remembers`, `severs`, `checked`,
 /// `weighs_errors`, `states_no_error`, `resolve(const Connections&,
 /// Settings&, Interface&)`, `template <typename T> struct Parameters` and `struct Options`;
 /// constructed from its Options where it has them.
