@@ -72,14 +72,13 @@ class CorrelationSearch {
   }
 
   bool report_direct(std::size_t at, std::size_t with_blocks, std::size_t direct) {
-    for (const std::size_t block : blocks_[with_blocks]) {
-      if (!severs(block)) continue;
-      const auto origin = first_common(origins_[block], direct_[direct]);
-      if (!origin) continue;
-      found_.push_back({at, block, direct, *origin});
-      return true;
-    }
-    return false;
+    const auto meets = [&](std::size_t block) {
+      const auto origin =
+          severs(block) ? first_common(origins_[block], direct_[direct]) : std::nullopt;
+      if (origin) found_.push_back({at, block, direct, *origin});
+      return origin.has_value();
+    };
+    return std::any_of(blocks_[with_blocks].begin(), blocks_[with_blocks].end(), meets);
   }
 
   bool report_blocks(std::size_t at, std::size_t a, std::size_t b) {

@@ -131,10 +131,10 @@ class Probe {
   /// One source at a time, to both sides.
   void move_each() {
     const double step = std::sqrt(3.0);
-    for (std::size_t k = 0; k < errors_.size(); ++k) {
-      errors_[k] = step;
+    for (double& error : errors_) {
+      error = step;
       const Offsets above = offsets();
-      errors_[k] = -step;
+      error = -step;
       const Offsets below = offsets();
       for_each_direction([&](Moments& m, std::size_t o, Eigen::Index r) {
         const double second = (above[o][r] + below[o][r]) / (step * step);
@@ -143,7 +143,7 @@ class Probe {
         m.squared_curvature += second * second;
         m.secant_variance += secant * secant;
       });
-      errors_[k] = 0;
+      error = 0;
     }
   }
 
@@ -385,10 +385,11 @@ std::vector<VerdictReport> judge(const System& system, const std::vector<std::si
     judgements.emplace_back(output, system.node(output.node).output.estimate, sizes,
                             system.plan().nodes[output.node].type->states_no_error);
   const auto glance = run_monte_carlo(system, perturbation, glance_trials, pilot_seed);
-  std::vector<char> doubtful(judgements.size(), 0);
+  std::vector<bool> doubtful;
+  doubtful.reserve(judgements.size());
   for (std::size_t o = 0; o < judgements.size(); ++o)
-    doubtful[o] = judgements[o].doubtful(glance[o]);
-  if (std::count(doubtful.begin(), doubtful.end(), 1) > 0) {
+    doubtful.push_back(judgements[o].doubtful(glance[o]));
+  if (std::find(doubtful.begin(), doubtful.end(), true) != doubtful.end()) {
     const auto pilot = run_monte_carlo(system, perturbation, pilot_trials, pilot_seed);
     for (std::size_t o = 0; o < judgements.size(); ++o)
       if (doubtful[o]) judgements[o].take_pilot(pilot[o]);

@@ -133,5 +133,12 @@ TEST(Predict, DivisionByZeroIsAFaultNotANumber) {
   std::filesystem::remove(file);
 }
 
+TEST(Predict, TutorialsModelIsWhatTheTutorialSays) {
+  const Heard heard = call_command("predict docs/examples/speed.yaml --budget");
+  EXPECT_EQ(heard.status, 0) << heard.errors;
+  EXPECT_NE(text_of(ILSS_SOURCE_DIR "/docs/tutorial.md").find(heard.output), std::string::npos)
+      << heard.output;
+}
+
 }  // namespace
 }  // namespace ilss
