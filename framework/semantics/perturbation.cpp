@@ -104,7 +104,6 @@ void Perturbation::prepare(Step& step) {
   step.module = node.type->create(node.settings);
   step.seed = derive_seed(0, node.name);
   step.parameters = node.parameters;
-  simulates_ |= step.role == Role::simulated;
   collect(node.parameters.lineage, step.role == Role::simulated);
   if (step.role == Role::simulated) return;  // keeps its parameters, to state their errors
   if (!with_lineages_) step.parameters.lineage.reset(step.parameters.dimension());

@@ -32,8 +32,6 @@ class Perturbation {
 
   /// The sources that errors are to be given for, sorted.
   const std::vector<Source>& sources() const { return sources_; }
-  /// Whether any simulated sensor is redone, so that the seed matters.
-  bool simulates() const { return simulates_; }
 
   /// Gives each source its error (standard deviations, in the order of `sources`), simulated
   /// sensors the seed of their noise, and redoes the outputs.
@@ -82,7 +80,6 @@ class Perturbation {
   std::vector<Step> steps_;
   std::vector<std::size_t> step_of_node_;
   std::vector<Source> sources_;
-  bool simulates_ = false;
   bool with_lineages_ = false;
 };
 
