@@ -33,7 +33,8 @@ struct SamplesDescriptor {
   std::vector<std::string> axes;  ///< what each index counts: {"row", "column"}
 };
 
-/// A payload's type. `element` names the payload of a set's elements, empty where it is not a set.
+/// A payload's type. `element` names the payloads that a set's elements may have, empty where it is
+/// not a set.
 struct PayloadDescriptor {
   std::string name;
   std::string documentation;
@@ -62,7 +63,8 @@ bool same_payload(const PayloadDescriptor& a, const PayloadDescriptor& b);
 /// equal ones are one object, which lives as long as the program. Thread-safe.
 const PayloadDescriptor& intern_payload(PayloadDescriptor payload);
 
-/// The descriptor of a struct payload, made from its `name` and `fields` (and `labels`).
+/// The descriptor of a struct payload, made from its `name` and `fields` (and `labels`,
+/// `samples`, `element`).
 template <template <typename> class Payload>
 requires NumericPayload<Payload>
 const PayloadDescriptor& descriptor() {
@@ -81,6 +83,7 @@ const PayloadDescriptor& descriptor() {
       for (const LabelField& label : P::labels)
         d.labels.push_back({std::string(label.name), {label.values.begin(), label.values.end()}});
     if constexpr (requires { P::samples; }) d.samples = P::samples();
+    if constexpr (requires { P::element; }) d.element = P::element;
     return d;
   }();
   return result;

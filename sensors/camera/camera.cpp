@@ -41,6 +41,8 @@ void Camera::Input::declare(OptionVisitor& visit) {
   visit("device", device, "number of a camera on this computer", {.minimum = 0, .maximum = 1000});
   const int given = (scene ? 1 : 0) + (images.empty() ? 0 : 1) + (video ? 1 : 0) + (device ? 1 : 0);
   visit.require(given == 1, "a camera's input is exactly one of scene, images, video and device");
+  visit.require(!scene || scene->content.pillars.empty(),
+                "the simulated camera cannot draw pillars; its scene must have none");
 }
 
 void Camera::Options::declare(OptionVisitor& visit) {

@@ -1,5 +1,6 @@
 #include "sensors/scene/beam.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace ilss {
@@ -39,6 +40,17 @@ std::optional<double> crossing(const SeenWall& wall, double angle) {
   return along;
 }
 
+/// How far along the ray at `angle` from the apex it first meets the circle around `centre`;
+/// nothing where it passes by, and from inside.
+std::optional<double> circle_crossing(const ScenePoint& centre, double radius, double angle) {
+  const double along = std::cos(angle) * centre.x + std::sin(angle) * centre.z;
+  const double across = std::cos(angle) * centre.z - std::sin(angle) * centre.x;
+  if (along <= 0 || std::abs(across) > radius) return std::nullopt;
+  const double range = along - std::sqrt(radius * radius - across * across);
+  if (range <= 0) return std::nullopt;
+  return range;
+}
+
 }  // namespace
 
 std::optional<SceneHit> nearest_in_beam(const Scene& scene, const ScenePose& beam,
@@ -63,6 +75,19 @@ std::optional<SceneHit> nearest_in_beam(const Scene& scene, const ScenePose& bea
       if (in_beam(seen.at(along), half_angle)) offer(along);
     for (const double edge : {-half_angle, half_angle})
       if (const auto along = crossing(seen, edge)) offer(*along);
+  }
+  for (std::size_t p = 0; p < scene.pillars.size(); ++p) {
+    const Pillar& pillar = scene.pillars[p];
+    const ScenePoint centre = to_frame(beam, pillar.centre);
+    // The nearest point lies towards the centre or, where the beam does not hold that, on an edge.
+    const double towards = std::atan2(centre.z, centre.x);
+    const double angle = std::clamp(towards, -half_angle, half_angle);
+    const auto range = circle_crossing(centre, pillar.radius, angle);
+    if (!range || *range > max_range || (nearest && *range >= nearest->range)) continue;
+    nearest = SceneHit{*range,
+                       {beam.x + *range * std::cos(beam.heading + angle),
+                        beam.z + *range * std::sin(beam.heading + angle)},
+                       scene.walls.size() + p};
   }
   return nearest;
 }

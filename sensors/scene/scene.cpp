@@ -34,9 +34,18 @@ void Wall::declare(OptionVisitor& visit) {
   visit.require(std::hypot(to.x - from.x, to.z - from.z) > 0, "a wall needs two different ends");
 }
 
+void Pillar::declare(OptionVisitor& visit) {
+  visit("centre", centre, "its middle", {.required = true});
+  visit("radius", radius, "of its surface", {.unit = "m", .required = true, .minimum = 0});
+  visit("reflectivity", reflectivity, "share of the light that comes back",
+        {.minimum = 0, .maximum = 1});
+  visit.require(radius > 0, "a pillar's radius must be above 0");
+}
+
 void Scene::declare(OptionVisitor& visit) {
   visit("scene", description, "what the scene shows");
   visit("walls", walls, "the walls", {.required = true});
+  visit("pillars", pillars, "round pillars");
 }
 
 ScenePose compose_poses(const ScenePose& base, const ScenePose& mount) {

@@ -47,10 +47,20 @@ struct Wall {
   void declare(OptionVisitor& visit);
 };
 
+/// A round pillar: a circle of the plane, upright and infinitely high. Range sensors see it; a
+/// camera's scene must have none.
+struct Pillar {
+  ScenePoint centre;
+  double radius = 0.1;        ///< m
+  double reflectivity = 0.8;  ///< 0 to 1
+  void declare(OptionVisitor& visit);
+};
+
 /// A scene as read from a scene file.
 struct Scene {
   std::string description;
   std::vector<Wall> walls;
+  std::vector<Pillar> pillars;
   void declare(OptionVisitor& visit);
 };
 

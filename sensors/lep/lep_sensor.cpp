@@ -1,0 +1,187 @@
+#include "sensors/lep/lep_sensor.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "framework/estimate/distribution.h"
+
+namespace ilss {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+CommandDeclaration angle_command(std::string name, std::string unit, std::string documentation) {
+  return {std::move(name),
+          {.name = "value", .kind = ParameterDeclaration::Kind::quantity, .unit = std::move(unit)},
+          std::move(documentation)};
+}
+
+/// `pose` seen from `base`: x to the right, z forward, heading to the left.
+struct RelativePose {
+  double x, z, heading;
+  RelativePose(const ScenePose& base, const ScenePose& pose) {
+    const ScenePoint seen = to_frame(base, {pose.x, pose.z});
+    x = seen.z;
+    z = seen.x;
+    heading = wrap_angle(base.heading - pose.heading);
+  }
+};
+
+}  // namespace
+
+std::vector<CommandDeclaration> LepSensor::commands() {
+  return {angle_command("rotate_to", "rad", "turns the head to an angle, positive to the left"),
+          angle_command("rotate_at", "rad/s", "turns the head at a rate, positive to the left")};
+}
+
+void LepSensor::Options::declare(OptionVisitor& visit) {
+  visit("scene", scene, "the scene's file", {.required = true});
+  visit("readings", readings, "how many readings a tick gives", {.minimum = 1, .maximum = 100000});
+  visit("scan_readings", scan_readings, "readings from one side of the field to the other",
+        {.minimum = 2, .maximum = 100000});
+  visit("field_of_view", field_of_view, "from the first to the last reading of a scan",
+        {.unit = "rad", .minimum = 0.01, .maximum = 120 * degree});
+  visit("reading_rate", reading_rate, "readings a second", {.unit = "1/s", .minimum = 1});
+  visit("beam_width", beam.width, "of the laser, between its outermost rays",
+        {.unit = "m", .minimum = 0, .maximum = 0.1});
+  visit("beam_rays", beam.rays, "parallel rays that stand for the beam",
+        {.minimum = 1, .maximum = 1000});
+  visit("current_at_1m", beam.current_at_1m,
+        "detector current of a surface of reflectivity 1 at 1 m", {.unit = "A", .minimum = 0});
+  visit("bandwidth", bandwidth, "of the detector; without it, readings are independent",
+        {.unit = "1/s", .minimum = 1});
+  visit("saturation_current", saturation_current, "above it there is no reading",
+        {.unit = "A", .minimum = 0});
+  visit("head_angle", head_angle, "of the head at the start, positive to the left",
+        {.unit = "rad", .minimum = -90 * degree, .maximum = 90 * degree});
+  visit("head_step", drive.step, "what the head's angle is a multiple of after rotate_to",
+        {.unit = "rad", .minimum = 1e-6});
+  visit("speed", speed, "of the vehicle, forward", {.unit = "m/s"});
+  visit("turn_rate", turn_rate, "of the vehicle, to the right", {.unit = "rad/s"});
+  visit("frame", frame, "name of the frame of the head's axis, x to the right and z forward");
+}
+
+Interface LepSensor::interface(const Options& options) {
+  return {.inputs = {},
+          .output = &descriptor<LepScan>(),
+          .frame = options.frame,
+          .draws_readings = true};
+}
+
+LepSensor::LepSensor(const Options& options)
+    : options_(options), head_(options.drive, options.head_angle) {
+  // One pole at the bandwidth, sampled at the reading rate.
+  if (options_.bandwidth)
+    correlation_ = std::exp(-2 * std::numbers::pi * *options_.bandwidth / options_.reading_rate);
+}
+
+void LepSensor::reset() {
+  head_ = HeadMotion(options_.drive, options_.head_angle);
+  now_ = 0;
+  memory_ = {};
+}
+
+Outcome<> LepSensor::command(const Command& command) {
+  const double* value = std::get_if<double>(&command.value);
+  if (value == nullptr)
+    return Fault{FaultKind::refused, "expected a quantity as value of " + command.name};
+  if (command.name == "rotate_to") {
+    if (!(std::abs(*value) <= options_.drive.stop))
+      return Fault{FaultKind::refused,
+                   fmt::format("{:.6g} deg is beyond the head's stops at ±{:.6g} deg",
+                               *value / degree, options_.drive.stop / degree)};
+    head_.turn_to(*value, now_);
+    return {};
+  }
+  if (command.name == "rotate_at") {
+    if (!(std::abs(*value) <= options_.drive.fastest))
+      return Fault{FaultKind::refused,
+                   fmt::format("{:.6g} deg/s is faster than the drive's {:.6g} deg/s",
+                               *value / degree, options_.drive.fastest / degree)};
+    head_.turn_at(*value, now_);
+    return {};
+  }
+  return Module::command(command);
+}
+
+ScenePose LepSensor::vehicle(const Parameters<double>& parameters, double time) const {
+  const double turned = options_.turn_rate * time;
+  // Along a circle, or along its chord where it hardly turns.
+  const double chord = std::abs(turned) < 1e-6
+                           ? options_.speed * time
+                           : 2 * options_.speed / options_.turn_rate * std::sin(turned / 2);
+  const double towards = parameters.robot_heading + turned / 2;
+  return {parameters.robot_x + chord * std::cos(towards),
+          parameters.robot_z + chord * std::sin(towards), parameters.robot_heading + turned};
+}
+
+template <typename DrawNoise>
+Outcome<> LepSensor::scan(const Evaluation& evaluation, std::int64_t last, double end,
+                          Memory& memory, DrawNoise draw_noise, Output& output) {
+  const auto p = payload_of<Parameters>(evaluation.parameters);
+  LepBeamCaster caster({p.focal_length, p.baseline, p.vergence, p.lens_distance}, options_.beam);
+  const Scene& scene = options_.scene.content;
+  const double half_length = p.detector_length / 2;
+  const double step = options_.field_of_view / static_cast<double>(options_.scan_readings - 1);
+  // The low pass delays what changes steadily by this many readings.
+  const double delay = correlation_ / (1 - correlation_);
+  const double innovation = std::sqrt(1 - correlation_ * correlation_);
+  const ScenePose standpoint = vehicle(p, end);
+  const std::span<LepReading> readings =
+      make_lep_readings(output, static_cast<std::size_t>(options_.readings));
+  std::size_t count = 0;
+  for (std::int64_t i = last - options_.readings + 1; i <= last; ++i) {
+    const std::int64_t in_scan =
+        (i % options_.scan_readings + options_.scan_readings) % options_.scan_readings;
+    const double time = end - static_cast<double>(last - i) / options_.reading_rate;
+    const double scan_angle = -options_.field_of_view / 2 + step * static_cast<double>(in_scan);
+    const double head = head_.angle(time);
+    const ScenePose base = vehicle(p, time);
+    const RelativePose moved(standpoint, base);
+    const ScenePose head_pose{base.x, base.z, base.heading - head};
+    const ScenePose projection = compose_poses(head_pose, {p.mount_z, p.mount_x, -p.mount_heading});
+    const LepImage image = caster.cast(scene, projection, scan_angle + delay * step);
+    Signal signal{image.current, image.current * image.image_position};
+    if (in_scan != 0) {
+      signal.current += correlation_ * (memory.signal.current - signal.current);
+      signal.moment += correlation_ * (memory.signal.moment - signal.moment);
+    }
+    memory.signal = signal;
+    memory.noise = correlation_ * memory.noise + innovation * draw_noise();
+    if (image.current <= 0 || signal.current > options_.saturation_current) continue;
+    const double deviation = half_length * p.noise_current / signal.current;
+    const double position = signal.moment / signal.current + deviation * memory.noise;
+    if (std::abs(position) > half_length) continue;
+    readings[count++] = {time,           head,    scan_angle, position,     deviation,
+                         signal.current, moved.x, moved.z,    moved.heading};
+  }
+  make_lep_readings(output, count);
+  if (count == 0)
+    return Fault{FaultKind::no_detection, "none of the tick's readings found a surface"};
+  output.acquired = readings.front().time;
+  assign<LepScan>(output.estimate, {correlation_});
+  return {};
+}
+
+Outcome<> LepSensor::evaluate(const Evaluation& evaluation, Output& output) {
+  RandomBits random = evaluation.random();
+  now_ = evaluation.time;
+  if (evaluation.tick == 0) memory_.noise = draw_normal(random);
+  const std::int64_t last = (evaluation.tick + 1) * options_.readings - 1;
+  return scan(
+      evaluation, last, evaluation.time, memory_, [&] { return draw_normal(random); }, output);
+}
+
+Outcome<> LepSensor::expect(const Evaluation& evaluation, const Output* operating_point,
+                            Output& output) {
+  if (operating_point != nullptr)
+    return Fault{FaultKind::no_error_known,
+                 "a scan cannot be given as an operating point; it follows from the scene"};
+  Memory memory;
+  return scan(
+      evaluation, options_.readings - 1, evaluation.time, memory, [] { return 0.0; }, output);
+}
+
+}  // namespace ilss

@@ -1,0 +1,66 @@
+// From a scan's readings to its straight segments: runs found, pieces of one line joined, fitted.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sensors/range/line_fit.h"
+#include "sensors/range/line_segmentation.h"
+#include "sensors/range/range_scan.h"
+
+namespace ilss {
+
+/// How a scan is taken apart.
+struct ScanLinesRule {
+  SegmentationRule segmentation = {};
+  /// Missing readings between two pieces of one line may be this far apart (m).
+  double max_gap = 0.2;
+  /// Readings left out on either side of a jump in range: the beam met both surfaces.
+  std::size_t mixed_readings = 1;
+};
+
+/// A segment with the readings that it explains.
+struct FittedSegment {
+  LineFit fit;
+  std::vector<ReadingRun> runs;
+  std::size_t first = 0;  ///< reading
+  std::size_t last = 0;   ///< reading
+};
+
+/// Takes the readings of a scan one by one and tells its segments at the end; what ended on the way
+/// can be had at once. Keeps its buffers from scan to scan.
+class ScanLines {
+ public:
+  explicit ScanLines(const ScanLinesRule& rule);
+
+  /// Starts a scan whose neighbouring readings' errors have this correlation.
+  void begin(double noise_correlation);
+  /// Takes a reading; true where it ended a segment.
+  bool add(const RangeReading& reading);
+  /// Decides on all readings where segments end, joins and fits them.
+  void finish();
+
+  std::span<const FittedSegment> segments() const { return {segments_.data(), count_}; }
+  std::span<const RangeReading> readings() const { return readings_; }
+
+ private:
+  bool is_gap(const RangeReading& reading) const;
+  void join_pieces();
+  bool joins(const FittedSegment& before, const ReadingRun& next, LineInformation& information);
+  void drop_mixed_readings();
+  void fit();
+  LineInformation information_of(std::span<const ReadingRun> runs) const;
+  FittedSegment& new_segment();
+
+  ScanLinesRule rule_;
+  double noise_correlation_ = 0;
+  double noise_factor_ = 1;  ///< of variances, for what neighbouring readings say alike
+  std::vector<RangeReading> readings_;
+  LineInformationSums sums_;
+  LineSegmentation segmentation_;
+  std::vector<FittedSegment> segments_;  ///< the first `count_` count; the rest are buffers
+  std::size_t count_ = 0;
+};
+
+}  // namespace ilss
