@@ -28,6 +28,10 @@ double expected(const RangeReading& reading, const InverseLine& m) {
          (1 - m.x * reading.origin_x - m.z * reading.origin_z);
 }
 
+double difference(const RangeReading& reading, const InverseLine& a, const InverseLine& b) {
+  return expected(reading, a) - expected(reading, b);
+}
+
 }  // namespace
 
 ScanLines::ScanLines(const ScanLinesRule& rule) : rule_(rule), segmentation_(rule.segmentation) {}
@@ -75,6 +79,7 @@ FittedSegment& ScanLines::new_segment() {
   if (count_ == segments_.size()) segments_.emplace_back();
   FittedSegment& segment = segments_[count_++];
   segment.runs.clear();
+  segment.arc.reset();
   return segment;
 }
 
@@ -110,6 +115,35 @@ void ScanLines::join_pieces() {
   }
 }
 
+/// Where two lines meet, the readings up to their intersection belong to one and those behind it to
+/// the other: the lines, which all readings determine, tell the end better than the few readings
+/// next to it, whose noise the best end would follow.
+void ScanLines::move_ends_to_corners() {
+  for (std::size_t i = 0; i + 1 < count_; ++i) {
+    ReadingRun& before = segments_[i].runs.back();
+    ReadingRun& after = segments_[i + 1].runs.front();
+    if (before.end != after.begin || segments_[i].arc || segments_[i + 1].arc) continue;
+    for (int round = 0; round < 2; ++round) {
+      const InverseLine a = information_of(segments_[i].runs).line();
+      const InverseLine b = information_of(segments_[i + 1].runs).line();
+      const double sign = difference(readings_[before.begin], a, b);
+      std::size_t corner = before.end;
+      while (corner > before.begin && difference(readings_[corner - 1], a, b) * sign < 0) --corner;
+      while (corner < after.end && difference(readings_[corner], a, b) * sign > 0) ++corner;
+      const std::size_t least = rule_.segmentation.least_readings;
+      if (corner < before.begin + least || corner + least > after.end || corner == before.end)
+        break;
+      const double now = sums_.of(before.begin, before.end).chi_squared(a) +
+                         sums_.of(after.begin, after.end).chi_squared(b);
+      const double then = sums_.of(before.begin, corner).chi_squared(a) +
+                          sums_.of(corner, after.end).chi_squared(b);
+      if (then > now + rule_.segmentation.outlier_cost) break;  // they do not meet there
+      before.end = corner;
+      after.begin = corner;
+    }
+  }
+}
+
 /// Where the range jumps between two segments, the last readings before and the first ones after
 /// may hold light from both surfaces.
 void ScanLines::drop_mixed_readings() {
@@ -122,12 +156,98 @@ void ScanLines::drop_mixed_readings() {
     const RangeReading& first = readings_[after.begin];
     const InverseLine a = information_of(segments_[i].runs).line();
     const InverseLine b = information_of(segments_[i + 1].runs).line();
-    const double jump = std::min(std::abs(expected(last, a) - expected(last, b)),
-                                 std::abs(expected(first, a) - expected(first, b)));
+    const double jump =
+        std::min(std::abs(difference(last, a, b)), std::abs(difference(first, a, b)));
     constexpr double clearly = 5;  // standard deviations of a reading
     if (jump < clearly * std::max(last.deviation, first.deviation)) continue;
     if (before.size() >= least + mixed) before.end -= mixed;
     if (after.size() >= least + mixed) after.begin += mixed;
+  }
+}
+
+double ScanLines::cost(const FittedSegment& segment) const {
+  // A circle has three parameters where a line has two.
+  const double evidence = rule_.segmentation.evidence;
+  if (segment.arc) return segment.arc->chi_squared / noise_factor_ + 1.5 * evidence;
+  return information_of(segment.runs).chi_squared() + evidence;
+}
+
+/// Whether a circle through two neighbouring lines could be near both: with their angle as its turn
+/// it has the curvature k = 2 angle / (L1 + L2) and departs from a chord of length L by k L² /
+/// sqrt(720) (root mean square), which must not be far beyond the noise. Costs far less than a fit.
+bool ScanLines::may_be_round(const FittedSegment& a, const FittedSegment& b) const {
+  if (a.arc || b.arc) return true;
+  const auto length = [&](const FittedSegment& s) {
+    return distance(readings_[s.runs.front().begin], readings_[s.runs.back().end - 1]);
+  };
+  const InverseLine la = information_of(a.runs).line();
+  const InverseLine lb = information_of(b.runs).line();
+  const double angle = std::abs(std::atan2(la.x * lb.z - la.z * lb.x, la.x * lb.x + la.z * lb.z));
+  const double curvature = 2 * angle / (length(a) + length(b));
+  double expected_cost = 0;
+  for (const FittedSegment* segment : {&a, &b}) {
+    const ReadingRun& run = segment->runs.front();
+    const RangeReading& middle = readings_[run.begin + run.size() / 2];
+    const double l = length(*segment);
+    const double deviation = middle.deviation / (middle.inverse_range * middle.inverse_range);
+    const double departure = curvature * l * l / std::sqrt(720.0) / deviation;
+    expected_cost += static_cast<double>(run.size()) * departure * departure;
+  }
+  return expected_cost < 4 * rule_.segmentation.evidence + cost(a) + cost(b);
+}
+
+/// Makes `before` the arc through the readings of both, if one circle costs less than the two. At
+/// either end a few readings may be left out: there a ray meets the limb, or the beam what is
+/// behind it.
+bool ScanLines::join_to_arc(FittedSegment& before, const FittedSegment& after) const {
+  std::size_t begin = before.runs.front().begin;
+  std::size_t end = after.runs.back().end;
+  const std::size_t middle_begin = before.runs.back().end;
+  const std::size_t middle_end = after.runs.front().begin;
+  const double outlier_cost = rule_.segmentation.outlier_cost;
+  if (distance(readings_[middle_begin - 1], readings_[middle_end]) > rule_.max_gap) return false;
+  double allowed =
+      cost(before) + cost(after) + outlier_cost * static_cast<double>(middle_end - middle_begin);
+  constexpr double clearly = 3.5;  // standard deviations
+  constexpr std::size_t most_dropped = 12;
+  for (std::size_t dropped = 0; dropped <= most_dropped; ++dropped) {
+    const auto arc =
+        fit_arc(std::span(readings_).subspan(begin, end - begin), rule_.arc, noise_correlation_);
+    if (!arc) return false;
+    const double at_begin = std::abs(arc_residual(readings_[begin], arc->circle));
+    const double at_end = std::abs(arc_residual(readings_[end - 1], arc->circle));
+    if (std::max(at_begin, at_end) < clearly) {
+      FittedSegment joined;
+      joined.arc = arc;
+      if (cost(joined) > allowed) return false;
+      before.arc = arc;
+      before.runs = {{begin, end}};
+      return true;
+    }
+    if (end - begin <= rule_.segmentation.least_readings) return false;
+    // What grazes the circle says little of it and costs nothing.
+    if (std::isfinite(std::max(at_begin, at_end))) allowed -= outlier_cost;
+    if (at_begin > at_end)
+      ++begin;
+    else
+      --end;
+  }
+  return false;
+}
+
+void ScanLines::find_arcs() {
+  for (bool changed = true; changed;) {
+    changed = false;
+    std::size_t kept = 0;
+    for (std::size_t i = 1; i < count_; ++i) {
+      FittedSegment& before = segments_[kept];
+      FittedSegment& after = segments_[i];
+      if (may_be_round(before, after) && join_to_arc(before, after))
+        changed = true;
+      else if (++kept != i)
+        std::swap(segments_[kept], after);
+    }
+    count_ = std::min(count_, kept + 1);
   }
 }
 
@@ -151,6 +271,8 @@ void ScanLines::finish() {
   if (readings_.empty()) return;
   segmentation_.refine(sums_);
   join_pieces();
+  find_arcs();
+  move_ends_to_corners();
   drop_mixed_readings();
   fit();
 }

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "sensors/range/arc_fit.h"
 #include "sensors/range/line_fit.h"
 #include "sensors/range/line_segmentation.h"
 #include "sensors/range/range_scan.h"
@@ -18,11 +19,13 @@ struct ScanLinesRule {
   double max_gap = 0.2;
   /// Readings left out on either side of a jump in range: the beam met both surfaces.
   std::size_t mixed_readings = 1;
+  ArcRule arc = {};
 };
 
 /// A segment with the readings that it explains.
 struct FittedSegment {
   LineFit fit;
+  std::optional<ArcFit> arc = {};  ///< where a circle explains the readings better
   std::vector<ReadingRun> runs;
   std::size_t first = 0;  ///< reading
   std::size_t last = 0;   ///< reading
@@ -48,7 +51,12 @@ class ScanLines {
   bool is_gap(const RangeReading& reading) const;
   void join_pieces();
   bool joins(const FittedSegment& before, const ReadingRun& next, LineInformation& information);
+  void move_ends_to_corners();
   void drop_mixed_readings();
+  void find_arcs();
+  bool may_be_round(const FittedSegment& a, const FittedSegment& b) const;
+  bool join_to_arc(FittedSegment& before, const FittedSegment& after) const;
+  double cost(const FittedSegment& segment) const;
   void fit();
   LineInformation information_of(std::span<const ReadingRun> runs) const;
   FittedSegment& new_segment();
