@@ -10,6 +10,12 @@
 #include "sensors/fusion/consistency.h"
 #include "sensors/fusion/covariance_intersection.h"
 #include "sensors/fusion/fuse.h"
+#include "sensors/lep/lep_ranging.h"
+#include "sensors/lep/lep_sensor.h"
+#include "sensors/range/ekf_line_extractor.h"
+#include "sensors/range/line_extractor.h"
+#include "sensors/range/range_readings.h"
+#include "sensors/range/wall_from_segments.h"
 #include "sensors/scene/scene_wall.h"
 #include "sensors/sonar/sonar.h"
 #include "sensors/wall/planar_transform.h"
@@ -23,15 +29,21 @@ void register_sensors(Registry& registry) {
   registry.add<Camera>();
   registry.add<ConsistencyModule>();
   registry.add<CovarianceIntersection>();
+  registry.add<EkfLineExtractor>();
   registry.add<Fuse>();
   registry.add(expression_type());
+  registry.add<LepRanging>();
+  registry.add<LepSensor>();
+  registry.add<LineExtractor>();
   registry.add(linear_type());
   registry.add<PlanarTransform>();
   registry.add<RangeCalibration>();
+  registry.add<RangeReadings>();
   registry.add<SceneWall>();
   registry.add<Sonar>();
   registry.add<TargetPoints>();
   registry.add<VisionLine>();
+  registry.add<WallFromSegments>();
   registry.add<WallPoseModule>();
   registry.add<WedgeSonarLine>();
 }

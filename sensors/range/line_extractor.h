@@ -2,14 +2,13 @@
 #pragma once
 
 #include <array>
-#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "framework/module/module_type.h"
-#include "sensors/range/line_fit.h"
-#include "sensors/range/line_segmentation.h"
-#include "sensors/range/range_features.h"
-#include "sensors/range/range_scan.h"
+#include "sensors/range/feature_estimates.h"
+#include "sensors/range/line_memory.h"
+#include "sensors/range/scan_lines.h"
 
 namespace ilss {
 
@@ -18,18 +17,18 @@ namespace ilss {
 ///
 /// It works in inverse range, in which a line is linear in m = (cos phi, sin phi) / rho, so that
 /// nothing is linearised about a noisy start. A reading's variance is the sensor's, not one made of
-/// the noisy range. Where the line ends is decided by LineSegmentation: on the way by the last
-/// readings, at the end of the scan by all. Neighbouring pieces of one line are one segment, across
-/// outliers and missing readings up to `max_gap`. Runs of segments that a circle explains better
-/// become an arc. Each segment's own noise is fresh sources; what the scan's readings share (mount,
-/// calibration) passes through by the fit's implicit derivative and does not average out.
+/// the noisy range. Where a segment ends is decided on the way by the last readings, and at the end
+/// of the scan by all (LineSegmentation); two lines that meet end where they do. Neighbouring
+/// pieces of one line are one segment, across outliers and missing readings up to `max_gap`. Pieces
+/// that a circle explains better become an arc. Each segment's own noise is fresh sources; what the
+/// scan's readings share (mount, calibration) passes through the fit and does not average out.
 ///
-/// A tick's readings are a scan. With `continuous`, they go on from tick to tick, until the sweep
-/// jumps back: then a tick gives the segments that ended in it and the open one as it is now.
-/// With `memory`, a segment that an earlier scan saw is the weighted mean over up to so many scans;
-/// for a vehicle that stands still.
+/// A tick's readings are a scan. With `continuous`, they go on from tick to tick until the sweep
+/// jumps back; a tick gives the segments that ended in it and the open one as it is now, without
+/// arcs and edges. With `memory`, a line that earlier scans saw is the mean over up to so many
+/// scans, for a vehicle that stands still.
 /// Output frame: the scan's. Faults: bad_data where a reading is not finite, its inverse range or
-/// sd is not positive, or bearings do not run in one direction; no_detection where a scan has fewer
+/// sd is not above 0, or bearings do not run in one direction; no_detection where a scan has fewer
 /// than `least_readings` readings. Pending, if `continuous`, where nothing ended and the open
 /// segment is too short.
 class LineExtractor final : public Module {
@@ -37,15 +36,18 @@ class LineExtractor final : public Module {
   static constexpr std::string_view name = "line_extractor";
   static constexpr std::string_view description =
       "line segments, arcs and edges of a range scan, with true errors";
-  static constexpr std::string_view reference = "after Pears 1997, sec. 4; in inverse range";
+  static constexpr std::string_view reference =
+      "after Pears 1997, sec. 4, in inverse range and with merging, corners and arcs";
   static constexpr ModuleKind kind = ModuleKind::estimator;
   static constexpr bool remembers = true;
   static constexpr std::array faults = {FaultKind::bad_data, FaultKind::no_detection};
 
   struct Options {
-    SegmentationRule rule;
-    double max_gap = 0.2;
+    ScanLinesRule rule;
+    std::int64_t least_readings = 5;
     std::int64_t edge_readings = 1;
+    bool continuous = false;
+    std::int64_t memory = 1;
     void declare(OptionVisitor& visit);
   };
 
@@ -57,28 +59,18 @@ class LineExtractor final : public Module {
   void reset() override;
 
  private:
-  /// Runs of readings on one line.
-  struct Group {
-    std::vector<ReadingRun> runs;
-    LineInformation information;
-  };
-
-  Outcome<> take(std::span<const RangeReading> readings);
-  void segment(double noise_correlation);
-  void group();
-  bool joins(const Group& before, const ReadingRun& next) const;
-  void drop_mixed_readings();
-  void fit(double noise_correlation);
-  void emit(const Evaluation& evaluation, Output& output) const;
+  Outcome<> extract_scan(const Evaluation& evaluation, double noise_correlation, Output& output);
+  Outcome<> extract_on(const Evaluation& evaluation, double noise_correlation, Output& output);
+  bool jumps_back(const RangeReading& reading) const;
 
   Options options_;
-  std::vector<RangeReading> readings_;
-  LineInformationSums sums_;
-  LineSegmentation segmentation_;
-  std::vector<Group> groups_;
-  std::size_t group_count_ = 0;
-  std::vector<LineFit> fits_;
-  std::vector<std::size_t> fitted_groups_;  ///< the group of each fit
+  ScanLines lines_;
+  LineMemory memory_;
+  FittedSegment open_;
+  bool scan_begun_ = false;
 };
+
+/// What is wrong with a scan's readings, if anything: see LineExtractor's faults.
+Outcome<> check_readings(std::span<const RangeReading> readings);
 
 }  // namespace ilss

@@ -5,12 +5,17 @@
 
 namespace ilss {
 
+/// Whether the scan has seen the segment's end.
+inline constexpr std::string_view segment_states[] = {"ended", "open"};
+inline constexpr LabelField line_segment_labels[] = {{"state", segment_states}};
+
 /// A straight piece of surface: the line x cos(phi) + z sin(phi) = rho, from where the sensor's
 /// rays first met it to where they last did. The ends lie on the line, so the covariance has rank 4
 /// at most. `readings` is how many readings it explains.
 template <typename T>
 struct LineSegment {
   T rho, phi, start_x, start_z, end_x, end_z, readings;
+  std::array<int, 1> label{};
 
   static constexpr std::string_view name = "line_segment";
   static constexpr std::string_view documentation = "a straight piece of surface";
@@ -22,6 +27,7 @@ struct LineSegment {
              {"end_x", "m", "where the last ray met it"},
              {"end_z", "m", "the same"},
              {"readings", "1", "how many it explains; exact"}};
+  static constexpr std::span<const LabelField> labels = line_segment_labels;
 };
 
 /// A piece of a round surface.

@@ -251,16 +251,27 @@ void ScanLines::find_arcs() {
   }
 }
 
-void ScanLines::fit() {
+bool ScanLines::fit(FittedSegment& segment) const {
+  const auto fitted =
+      fit_line(readings_, segment.runs, information_of(segment.runs).line(), noise_correlation_);
+  if (!fitted) return false;
+  segment.fit = *fitted;
+  segment.first = segment.runs.front().begin;
+  segment.last = segment.runs.back().end - 1;
+  return true;
+}
+
+bool ScanLines::fit_run(const ReadingRun& run, FittedSegment& segment) const {
+  if (run.size() < rule_.segmentation.least_readings) return false;
+  segment.arc.reset();
+  segment.runs.assign(1, run);
+  return fit(segment);
+}
+
+void ScanLines::fit_all() {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count_; ++i) {
-    FittedSegment& segment = segments_[i];
-    const auto fitted =
-        fit_line(readings_, segment.runs, information_of(segment.runs).line(), noise_correlation_);
-    if (!fitted) continue;
-    segment.fit = *fitted;
-    segment.first = segment.runs.front().begin;
-    segment.last = segment.runs.back().end - 1;
+    if (!fit(segments_[i])) continue;
     if (kept != i) std::swap(segments_[kept], segments_[i]);
     ++kept;
   }
@@ -271,10 +282,10 @@ void ScanLines::finish() {
   if (readings_.empty()) return;
   segmentation_.refine(sums_);
   join_pieces();
-  find_arcs();
+  if (rule_.arc.largest_radius > 0) find_arcs();
   move_ends_to_corners();
   drop_mixed_readings();
-  fit();
+  fit_all();
 }
 
 }  // namespace ilss

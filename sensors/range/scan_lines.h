@@ -44,8 +44,13 @@ class ScanLines {
   /// Decides on all readings where segments end, joins and fits them.
   void finish();
 
-  std::span<const FittedSegment> segments() const { return {segments_.data(), count_}; }
+  std::span<FittedSegment> segments() { return {segments_.data(), count_}; }
   std::span<const RangeReading> readings() const { return readings_; }
+
+  /// On the way: the runs so far, the open one last, and the line through one of them; false where
+  /// it has too few readings.
+  const std::vector<ReadingRun>& runs() const { return segmentation_.runs(); }
+  bool fit_run(const ReadingRun& run, FittedSegment& segment) const;
 
  private:
   bool is_gap(const RangeReading& reading) const;
@@ -57,7 +62,8 @@ class ScanLines {
   bool may_be_round(const FittedSegment& a, const FittedSegment& b) const;
   bool join_to_arc(FittedSegment& before, const FittedSegment& after) const;
   double cost(const FittedSegment& segment) const;
-  void fit();
+  bool fit(FittedSegment& segment) const;
+  void fit_all();
   LineInformation information_of(std::span<const ReadingRun> runs) const;
   FittedSegment& new_segment();
 

@@ -176,4 +176,8 @@ Outcome<double> CsvFile::number(std::size_t row, std::size_t column) const {
                            rows_[row].line, column + 1, shown(*wanted))};
 }
 
+std::string CsvFile::place(std::size_t row) const {
+  return fmt::format("{}:{}", path_.string(), rows_[row].line);
+}
+
 }  // namespace ilss

@@ -29,6 +29,9 @@ class CsvFile {
   /// the cell is empty; bad_data where the row is short or the cell is no finite number.
   Outcome<double> number(std::size_t row, std::size_t column) const;
 
+  /// "file:line" of a row, for messages.
+  std::string place(std::size_t row) const;
+
  private:
   struct Row {
     std::size_t begin;

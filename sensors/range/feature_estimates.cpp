@@ -1,0 +1,227 @@
+#include "sensors/range/feature_estimates.h"
+
+#include <Eigen/Cholesky>
+#include <array>
+#include <cmath>
+
+#include "framework/estimate/differentiate.h"
+
+namespace ilss {
+namespace {
+
+constexpr Eigen::Index scan_size = dimension_of<RangeScan>;
+constexpr Eigen::Index mount_size = 3;
+
+/// Sources that a segment's own noise takes at most, and so the distance of their numbers.
+constexpr std::uint32_t columns_of_segment = 4;
+
+template <typename T>
+struct Point {
+  T x, z;
+};
+
+/// A reading's ray, its origin and bearing moving with the scan's mount.
+template <typename T>
+struct Ray {
+  T origin_x, origin_z, direction_x, direction_z;
+
+  Ray(const RangeReading& reading, const T& mount_x, const T& mount_z, const T& heading) {
+    using std::cos;
+    using std::sin;
+    const double c = std::cos(reading.head);
+    const double s = std::sin(reading.head);
+    origin_x = reading.origin_x + c * mount_x - s * mount_z;
+    origin_z = reading.origin_z + s * mount_x + c * mount_z;
+    direction_x = cos(reading.bearing + heading);
+    direction_z = sin(reading.bearing + heading);
+  }
+  Point<T> at(const T& range) const {
+    return {origin_x + range * direction_x, origin_z + range * direction_z};
+  }
+};
+
+/// Where a ray meets the line m · x = 1.
+template <typename T>
+Point<T> meet_line(const Ray<T>& ray, const T& mx, const T& mz) {
+  return ray.at((T(1) - mx * ray.origin_x - mz * ray.origin_z) /
+                (mx * ray.direction_x + mz * ray.direction_z));
+}
+
+template <typename T>
+Point<T> meet_circle(const Ray<T>& ray, const T& cx, const T& cz, const T& radius) {
+  return ray.at(range_to_circle(ray.origin_x, ray.origin_z, ray.direction_x, ray.direction_z, cx,
+                                cz, radius));
+}
+
+/// What a feature is computed from, as variables of differentiation: its fit's parameters first,
+/// then the change of the scan's mount (0).
+template <int N>
+using Variables = std::array<Dual<static_cast<std::size_t>(N)>, static_cast<std::size_t>(N)>;
+
+template <int N>
+Variables<N> variables(const Eigen::Matrix<double, N, 1>& values) {
+  Variables<N> result;
+  for (int i = 0; i < N; ++i)
+    result[static_cast<std::size_t>(i)] = Dual<static_cast<std::size_t>(N)>(values[i], i);
+  return result;
+}
+
+/// Writes values and lineage of a feature that follows from a fit of P parameters and the mount:
+/// `components` are duals over P + 3 variables.
+template <int P, std::size_t Rows, typename T>
+void write_feature(const std::array<T, Rows>& components, const Eigen::Matrix<double, P, P>& noise,
+                   const Eigen::Matrix<double, P, scan_dependences>& by_scan, const Estimate& scan,
+                   Source first, Estimate& out) {
+  constexpr auto rows = static_cast<Eigen::Index>(Rows);
+  Eigen::Matrix<double, rows, P> by_fit;
+  Eigen::Matrix<double, rows, mount_size> by_mount;
+  out.value.resize(Rows);
+  for (std::size_t i = 0; i < Rows; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    out.value[i] = components[i].a;
+    by_fit.row(row) = components[i].v.template head<P>().transpose();
+    by_mount.row(row) = components[i].v.template tail<mount_size>().transpose();
+  }
+  Eigen::Matrix<double, rows, scan_size> jacobian = Eigen::Matrix<double, rows, scan_size>::Zero();
+  jacobian.template leftCols<scan_dependences>() = by_fit * by_scan;
+  jacobian.template leftCols<mount_size>() += by_mount;
+  const LineageTerm term{jacobian.data(), &scan.lineage};
+  compose({&term, 1}, Rows, out.lineage);
+  const Eigen::Matrix<double, P, P> factor = noise.llt().matrixL();
+  const Eigen::Matrix<double, rows, P> columns = by_fit * factor;
+  for (int k = 0; k < P; ++k)
+    out.lineage.add({first.owner, first.column + static_cast<std::uint32_t>(k), first.tick},
+                    std::span<const double>(columns.col(k).data(), Rows));
+}
+
+double inverse_range_at(const RangeReading& r, const InverseLine& m) {
+  return (m.x * std::cos(r.bearing) + m.z * std::sin(r.bearing)) /
+         (1 - m.x * r.origin_x - m.z * r.origin_z);
+}
+
+}  // namespace
+
+FeatureWriter::FeatureWriter(const Evaluation& evaluation, const Estimate& scan, Output& output)
+    : evaluation_(evaluation), scan_(scan), output_(output) {}
+
+Estimate& FeatureWriter::next(const PayloadDescriptor& type) {
+  if (count_ == output_.elements.size()) output_.elements.emplace_back();
+  Estimate& element = output_.elements[count_++];
+  element.type = &type;
+  element.frame = scan_.frame;
+  element.labels.clear();
+  element.correlation_unknown = scan_.correlation_unknown;
+  return element;
+}
+
+void FeatureWriter::add(const FittedSegment& segment, std::span<const RangeReading> readings,
+                        bool is_open) {
+  const RangeReading& first = readings[segment.first];
+  const RangeReading& last = readings[segment.last];
+  const Source source =
+      evaluation_.fresh(columns_of_segment * static_cast<std::uint32_t>(segments_++));
+  if (segment.arc) {
+    const ArcFit& fit = *segment.arc;
+    Eigen::Matrix<double, 6, 1> values = Eigen::Matrix<double, 6, 1>::Zero();
+    values.head<3>() = fit.circle;
+    const auto v = variables<6>(values);
+    using T = Dual<6>;
+    const Point<T> start = meet_circle(Ray<T>(first, v[3], v[4], v[5]), v[0], v[1], v[2]);
+    const Point<T> end = meet_circle(Ray<T>(last, v[3], v[4], v[5]), v[0], v[1], v[2]);
+    const std::array<T, 8> components{v[0],    v[1],  v[2],  start.x,
+                                      start.z, end.x, end.z, T(static_cast<double>(fit.readings))};
+    write_feature<3>(components, fit.covariance, fit.by_scan, scan_, source,
+                     next(descriptor<ArcSegment>()));
+    return;
+  }
+  const LineFit& fit = segment.fit;
+  Eigen::Matrix<double, 5, 1> values = Eigen::Matrix<double, 5, 1>::Zero();
+  values.head<2>() << fit.line.x, fit.line.z;
+  const auto v = variables<5>(values);
+  using T = Dual<5>;
+  const Point<T> start = meet_line(Ray<T>(first, v[2], v[3], v[4]), v[0], v[1]);
+  const Point<T> end = meet_line(Ray<T>(last, v[2], v[3], v[4]), v[0], v[1]);
+  const std::array<T, 7> components{
+      1.0 / sqrt(v[0] * v[0] + v[1] * v[1]), atan2(v[1], v[0]), start.x, start.z, end.x, end.z,
+      T(static_cast<double>(fit.readings))};
+  Estimate& element = next(descriptor<LineSegment>());
+  write_feature<2>(components, fit.covariance, fit.by_scan, scan_, source, element);
+  element.labels.assign(1, is_open ? 1 : 0);
+}
+
+void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& after,
+                             std::span<const RangeReading> readings, std::size_t mixed_readings) {
+  if (before.arc || after.arc) return;
+  const auto source_of = [&](std::size_t segment) {
+    return evaluation_.fresh(columns_of_segment * static_cast<std::uint32_t>(segment));
+  };
+  const Source second = source_of(segments_ - 1);
+  const Source first = source_of(segments_ - 2);
+  if (before.last + 1 == after.first) {
+    // m1 · x = 1 and m2 · x = 1.
+    Eigen::Vector4d values(before.fit.line.x, before.fit.line.z, after.fit.line.x,
+                           after.fit.line.z);
+    const auto v = variables<4>(values);
+    const Dual<4> determinant = v[0] * v[3] - v[1] * v[2];
+    if (determinant.a == 0) return;
+    const std::array<Dual<4>, 2> place{(v[3] - v[1]) / determinant, (v[0] - v[2]) / determinant};
+    Estimate& edge = next(descriptor<RangeEdge>());
+    Eigen::Matrix<double, 2, 4> by_fits;
+    by_fits << place[0].v.transpose(), place[1].v.transpose();
+    edge.value.assign({place[0].a, place[1].a});
+    edge.labels.assign(1, static_cast<int>(EdgeKind::corner));
+    Eigen::Matrix<double, 2, scan_size> jacobian = Eigen::Matrix<double, 2, scan_size>::Zero();
+    jacobian.leftCols<scan_dependences>() =
+        by_fits.leftCols<2>() * before.fit.by_scan + by_fits.rightCols<2>() * after.fit.by_scan;
+    const LineageTerm term{jacobian.data(), &scan_.lineage};
+    compose({&term, 1}, 2, edge.lineage);
+    const auto add_noise = [&](const Eigen::Matrix2d& by_fit, const Eigen::Matrix2d& noise,
+                               Source source) {
+      const Eigen::Matrix2d factor = noise.llt().matrixL();
+      const Eigen::Matrix2d columns = by_fit * factor;
+      for (std::uint32_t k = 0; k < 2; ++k)
+        edge.lineage.add({source.owner, source.column + k, source.tick},
+                         std::span<const double>(columns.col(k).data(), 2));
+    };
+    add_noise(by_fits.leftCols<2>(), before.fit.covariance, first);
+    add_noise(by_fits.rightCols<2>(), after.fit.covariance, second);
+    return;
+  }
+  // A jump: the nearer surface ends somewhere between its last clean ray and the first ray that
+  // may have missed it altogether.
+  const RangeReading& last = readings[before.last];
+  const RangeReading& opposite = readings[after.first];
+  const bool before_is_nearer =
+      inverse_range_at(opposite, before.fit.line) > inverse_range_at(opposite, after.fit.line);
+  const FittedSegment& nearer = before_is_nearer ? before : after;
+  const RangeReading& clean = before_is_nearer ? last : opposite;
+  const std::size_t index = before_is_nearer ? before.last : after.first;
+  const std::size_t inwards = before_is_nearer ? index - 1 : index + 1;
+  const double step = clean.bearing - readings[inwards].bearing;
+  const std::size_t between = after.first - before.last;
+  const auto steps = static_cast<double>(std::min(between, mixed_readings + 1));
+  const double interval = step * steps;
+  Eigen::Matrix<double, 6, 1> values = Eigen::Matrix<double, 6, 1>::Zero();
+  values.head<2>() << nearer.fit.line.x, nearer.fit.line.z;
+  const auto v = variables<6>(values);  // the line, the bearing, the mount
+  using T = Dual<6>;
+  const Ray<T> ray(clean, v[3], v[4], v[5] + v[2] + interval / 2);
+  const Point<T> place = meet_line(ray, v[0], v[1]);
+  Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
+  noise.topLeftCorner<2, 2>() = nearer.fit.covariance;
+  noise(2, 2) = interval * interval / 12;  // uniform
+  Eigen::Matrix<double, 3, scan_dependences> by_scan =
+      Eigen::Matrix<double, 3, scan_dependences>::Zero();
+  by_scan.topRows<2>() = nearer.fit.by_scan;
+  Estimate& edge = next(descriptor<RangeEdge>());
+  write_feature<3>(std::array<T, 2>{place.x, place.z}, noise, by_scan, scan_,
+                   before_is_nearer ? first : second, edge);
+  edge.labels.assign(1, static_cast<int>(EdgeKind::jump));
+}
+
+void FeatureWriter::finish() {
+  output_.elements.resize(count_);
+  assign<RangeFeatures>(output_.estimate, {static_cast<double>(segments_)});
+}
+
+}  // namespace ilss
