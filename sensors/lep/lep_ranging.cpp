@@ -104,8 +104,8 @@ Outcome<> LepRanging::evaluate(const Evaluation& evaluation, Output& output) {
                  "no image position belongs to a range in front of the "
                  "sensor; is the calibration this sensor's?"};
   const auto scan = payload_of<LepScan>(evaluation.input(0));
-  assign<RangeScan>(output.estimate,
-                    {p.mount_x, p.mount_z, p.mount_heading, 0, 0, 0, 0, scan.noise_correlation});
+  assign<RangeScan>(output.estimate, {p.mount_x, p.mount_z, p.mount_heading, 0, 0, 0, 0,
+                                      scan.noise_correlation, scan.beam_width});
   const auto jacobian = scan_by_parameters(p);
   const LineageTerm term{jacobian.data(), &evaluation.parameters.lineage};
   compose({&term, 1}, scan_size, output.estimate.lineage);

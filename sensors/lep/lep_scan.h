@@ -26,7 +26,7 @@ struct LepReading {
 /// A scan of image positions; readings without an image are left out.
 template <typename T>
 struct LepScan {
-  T noise_correlation;
+  T noise_correlation, beam_width;
 
   static constexpr std::string_view name = "lep_scan";
   static constexpr std::string_view documentation =
@@ -34,7 +34,8 @@ struct LepScan {
       "(rad), scan angle (rad), image position and its sd (m), detector current (A), and the "
       "vehicle's x, z (m) and heading (rad) seen from where it was at the last reading";
   static constexpr auto fields =
-      Fields{{"noise_correlation", "1", "of one reading's noise and the next one's", 0}};
+      Fields{{"noise_correlation", "1", "of one reading's noise and the next one's; exact", 0},
+             {"beam_width", "m", "of the laser; exact", 0}};
   static SamplesDescriptor samples() { return {"SI", {"reading", "quantity"}}; }
 };
 

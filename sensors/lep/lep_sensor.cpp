@@ -161,7 +161,7 @@ Outcome<> LepSensor::scan(const Evaluation& evaluation, std::int64_t last, doubl
   if (count == 0)
     return Fault{FaultKind::no_detection, "none of the tick's readings found a surface"};
   output.acquired = readings.front().time;
-  assign<LepScan>(output.estimate, {correlation_});
+  assign<LepScan>(output.estimate, {correlation_, options_.beam.width});
   return {};
 }
 

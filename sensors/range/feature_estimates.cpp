@@ -150,7 +150,7 @@ void FeatureWriter::add(const FittedSegment& segment, std::span<const RangeReadi
 }
 
 void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& after,
-                             std::span<const RangeReading> readings, std::size_t mixed_readings) {
+                             std::span<const RangeReading> readings) {
   if (before.arc || after.arc) return;
   const auto source_of = [&](std::size_t segment) {
     return evaluation_.fresh(columns_of_segment * static_cast<std::uint32_t>(segment));
@@ -199,7 +199,8 @@ void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& a
   const std::size_t inwards = before_is_nearer ? index - 1 : index + 1;
   const double step = clean.bearing - readings[inwards].bearing;
   const std::size_t between = after.first - before.last;
-  const auto steps = static_cast<double>(std::min(between, mixed_readings + 1));
+  const std::size_t mixed = before_is_nearer ? before.mixed_after : after.mixed_before;
+  const auto steps = static_cast<double>(std::min(between, mixed + 1));
   const double interval = step * steps;
   Eigen::Matrix<double, 6, 1> values = Eigen::Matrix<double, 6, 1>::Zero();
   values.head<2>() << nearer.fit.line.x, nearer.fit.line.z;

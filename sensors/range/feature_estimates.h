@@ -21,10 +21,9 @@ class FeatureWriter {
   void add(const FittedSegment& segment, std::span<const RangeReading> readings,
            bool is_open = false);
   /// Adds the edge between two neighbours that were added last, if there is one: the corner in
-  /// which two lines meet, or the end of the nearer line at a jump. `mixed_readings` were left out
-  /// on either side of a jump.
+  /// which two lines meet, or the end of the nearer line at a jump.
   void add_edge(const FittedSegment& before, const FittedSegment& after,
-                std::span<const RangeReading> readings, std::size_t mixed_readings);
+                std::span<const RangeReading> readings);
   /// Completes the output.
   void finish();
 

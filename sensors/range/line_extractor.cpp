@@ -14,9 +14,6 @@ void LineExtractor::Options::declare(OptionVisitor& visit) {
   visit("least_readings", least_readings, "of a segment", {.minimum = 3, .maximum = 1000});
   visit("max_gap", rule.max_gap, "between the ends of two pieces that are one segment",
         {.unit = "m", .minimum = 0});
-  visit("edge_readings", edge_readings,
-        "left out on either side of a jump in range, where the beam met both surfaces",
-        {.minimum = 0, .maximum = 100});
   visit("least_radius", rule.arc.least_radius, "of an arc", {.unit = "m", .minimum = 0});
   visit("largest_radius", rule.arc.largest_radius, "of an arc; 0: no arcs",
         {.unit = "m", .minimum = 0});
@@ -37,7 +34,6 @@ namespace {
 ScanLinesRule rule_of(const LineExtractor::Options& options) {
   ScanLinesRule rule = options.rule;
   rule.segmentation.least_readings = static_cast<std::size_t>(options.least_readings);
-  rule.mixed_readings = static_cast<std::size_t>(options.edge_readings);
   return rule;
 }
 
@@ -78,15 +74,16 @@ Outcome<> check_readings(std::span<const RangeReading> readings) {
 
 Outcome<> LineExtractor::evaluate(const Evaluation& evaluation, Output& output) {
   const Estimate& scan = evaluation.input(0);
-  const double noise_correlation = payload_of<RangeScan>(scan).noise_correlation;
+  const auto shared = payload_of<RangeScan>(scan);
+  const double noise_correlation = shared.noise_correlation;
   if (!(noise_correlation >= 0 && noise_correlation < 1))
     return Fault{FaultKind::bad_data,
                  fmt::format("a noise correlation of {} is not in [0, 1)", noise_correlation)};
-  return options_.continuous ? extract_on(evaluation, noise_correlation, output)
-                             : extract_scan(evaluation, noise_correlation, output);
+  return options_.continuous ? extract_on(evaluation, shared, output)
+                             : extract_scan(evaluation, shared, output);
 }
 
-Outcome<> LineExtractor::extract_scan(const Evaluation& evaluation, double noise_correlation,
+Outcome<> LineExtractor::extract_scan(const Evaluation& evaluation, const RangeScan<double>& shared,
                                       Output& output) {
   const std::span<const RangeReading> readings = readings_of(*evaluation.inputs[0]);
   if (readings.size() < static_cast<std::size_t>(options_.least_readings))
@@ -94,7 +91,7 @@ Outcome<> LineExtractor::extract_scan(const Evaluation& evaluation, double noise
                  fmt::format("the scan has {} readings; a segment needs {}", readings.size(),
                              options_.least_readings)};
   if (Outcome<> outcome = check_readings(readings); !outcome) return outcome;
-  lines_.begin(noise_correlation);
+  lines_.begin(shared.noise_correlation, shared.beam_width);
   for (const RangeReading& reading : readings) lines_.add(reading);
   lines_.finish();
   memory_.join(lines_.segments(), readings);
@@ -102,9 +99,7 @@ Outcome<> LineExtractor::extract_scan(const Evaluation& evaluation, double noise
   const std::span<const FittedSegment> segments = lines_.segments();
   for (std::size_t i = 0; i < segments.size(); ++i) {
     writer.add(segments[i], readings);
-    if (i > 0)
-      writer.add_edge(segments[i - 1], segments[i], readings,
-                      static_cast<std::size_t>(options_.edge_readings));
+    if (i > 0) writer.add_edge(segments[i - 1], segments[i], readings);
   }
   writer.finish();
   return {};
@@ -121,7 +116,7 @@ bool LineExtractor::jumps_back(const RangeReading& reading) const {
          0;
 }
 
-Outcome<> LineExtractor::extract_on(const Evaluation& evaluation, double noise_correlation,
+Outcome<> LineExtractor::extract_on(const Evaluation& evaluation, const RangeScan<double>& shared,
                                     Output& output) {
   FeatureWriter writer(evaluation, evaluation.input(0), output);
   bool any = false;
@@ -136,7 +131,7 @@ Outcome<> LineExtractor::extract_on(const Evaluation& evaluation, double noise_c
       scan_begun_ = false;
     }
     if (!scan_begun_) {
-      lines_.begin(noise_correlation);
+      lines_.begin(shared.noise_correlation, shared.beam_width);
       scan_begun_ = true;
     }
     if (Outcome<> outcome = check_readings({&reading, 1}); !outcome) return outcome;

@@ -45,7 +45,6 @@ class LineExtractor final : public Module {
   struct Options {
     ScanLinesRule rule;
     std::int64_t least_readings = 5;
-    std::int64_t edge_readings = 1;
     bool continuous = false;
     std::int64_t memory = 1;
     void declare(OptionVisitor& visit);
@@ -59,8 +58,10 @@ class LineExtractor final : public Module {
   void reset() override;
 
  private:
-  Outcome<> extract_scan(const Evaluation& evaluation, double noise_correlation, Output& output);
-  Outcome<> extract_on(const Evaluation& evaluation, double noise_correlation, Output& output);
+  Outcome<> extract_scan(const Evaluation& evaluation, const RangeScan<double>& shared,
+                         Output& output);
+  Outcome<> extract_on(const Evaluation& evaluation, const RangeScan<double>& shared,
+                       Output& output);
   bool jumps_back(const RangeReading& reading) const;
 
   Options options_;

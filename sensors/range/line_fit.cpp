@@ -14,7 +14,18 @@ struct LineResidual {
   Eigen::Matrix<double, 1, scan_dependences> by_scan;
 };
 
-LineResidual line_residual(const RangeReading& reading, const InverseLine& m) {
+/// The head's angle, which seldom changes from reading to reading.
+struct Turn {
+  double angle = 0;
+  double c = 1;
+  double s = 0;
+  void to(double head) {
+    if (head == angle) return;
+    *this = {head, std::cos(head), std::sin(head)};
+  }
+};
+
+LineResidual line_residual(const RangeReading& reading, const Turn& head, const InverseLine& m) {
   const double ex = std::cos(reading.bearing);
   const double ez = std::sin(reading.bearing);
   const double scale = 1 / (1 - m.x * reading.origin_x - m.z * reading.origin_z);
@@ -23,11 +34,10 @@ LineResidual line_residual(const RangeReading& reading, const InverseLine& m) {
   r.residual = reading.inverse_range - expected;
   r.by_line = {(ex + expected * reading.origin_x) * scale,
                (ez + expected * reading.origin_z) * scale};
-  const double c = std::cos(reading.head);
-  const double s = std::sin(reading.head);
-  r.by_scan << -expected * scale * (m.x * c + m.z * s), -expected * scale * (m.z * c - m.x * s),
-      -(m.z * ex - m.x * ez) * scale, reading.sensitivity[0], reading.sensitivity[1],
-      reading.sensitivity[2], reading.sensitivity[3];
+  r.by_scan << -expected * scale * (m.x * head.c + m.z * head.s),
+      -expected * scale * (m.z * head.c - m.x * head.s), -(m.z * ex - m.x * ez) * scale,
+      reading.sensitivity[0], reading.sensitivity[1], reading.sensitivity[2],
+      reading.sensitivity[3];
   return r;
 }
 
@@ -36,38 +46,35 @@ LineResidual line_residual(const RangeReading& reading, const InverseLine& m) {
 std::optional<LineFit> fit_line(std::span<const RangeReading> readings,
                                 std::span<const ReadingRun> runs, const InverseLine& start,
                                 double noise_correlation) {
+  // One step: the start solves the linear form, which all but is this one.
   LineFit fit;
-  fit.line = start;
-  constexpr int steps = 2;  // the start solves the linear form, which all but is the exact one
-  for (int step = 0; step < steps; ++step) {
-    Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
-    Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
-    Eigen::Matrix<double, 2, scan_dependences> by_scan;
-    by_scan.setZero();
-    fit.chi_squared = 0;
-    fit.readings = 0;
-    for (const ReadingRun& run : runs) {
-      for (const RangeReading& reading : readings.subspan(run.begin, run.size())) {
-        const LineResidual r = line_residual(reading, fit.line);
-        const double weight = 1 / (reading.deviation * reading.deviation);
-        const Eigen::Vector2d weighted = weight * r.by_line;
-        information += weighted * r.by_line.transpose();
-        gradient += weighted * r.residual;
-        by_scan += weighted * r.by_scan;
-        fit.chi_squared += weight * r.residual * r.residual;
-      }
-      fit.readings += run.size();
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+  Eigen::Matrix<double, 2, scan_dependences> by_scan;
+  by_scan.setZero();
+  Turn head;
+  for (const ReadingRun& run : runs) {
+    for (const RangeReading& reading : readings.subspan(run.begin, run.size())) {
+      head.to(reading.head);
+      const LineResidual r = line_residual(reading, head, start);
+      const double weight = 1 / (reading.deviation * reading.deviation);
+      const Eigen::Vector2d weighted = weight * r.by_line;
+      information += weighted * r.by_line.transpose();
+      gradient += weighted * r.residual;
+      by_scan += weighted * r.by_scan;
+      fit.chi_squared += weight * r.residual * r.residual;
     }
-    const double determinant = information.determinant();
-    if (fit.readings < 2 || !(determinant > 1e-14 * information(0, 0) * information(1, 1)))
-      return std::nullopt;
-    const Eigen::Matrix2d inverse = information.inverse();
-    const Eigen::Vector2d change = inverse * gradient;
-    fit.line.x += change.x();
-    fit.line.z += change.y();
-    fit.covariance = inverse * (1 + noise_correlation) / (1 - noise_correlation);
-    fit.by_scan = inverse * by_scan;
+    fit.readings += run.size();
   }
+  const double determinant = information.determinant();
+  if (fit.readings < 2 || !(determinant > 1e-14 * information(0, 0) * information(1, 1)))
+    return std::nullopt;
+  const Eigen::Matrix2d inverse = information.inverse();
+  const Eigen::Vector2d change = inverse * gradient;
+  fit.line = {start.x + change.x(), start.z + change.y()};
+  fit.chi_squared -= gradient.dot(change);
+  fit.covariance = inverse * (1 + noise_correlation) / (1 - noise_correlation);
+  fit.by_scan = inverse * by_scan;
   if (!std::isfinite(fit.line.x) || !std::isfinite(fit.line.z)) return std::nullopt;
   return fit;
 }

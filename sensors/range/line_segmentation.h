@@ -20,7 +20,7 @@ struct ReadingRun {
 struct SegmentationRule {
   /// Chi² that a segment must save. A third segment on two walls saves this by luck in the best of
   /// all places, so it is well above what one place would need.
-  double evidence = 36;
+  double evidence = 42;
   double outlier_cost = 12;        ///< chi² for a reading that belongs to no segment
   std::size_t least_readings = 5;  ///< of a segment
 };

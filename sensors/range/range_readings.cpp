@@ -52,6 +52,8 @@ void RangeReadings::Options::declare(OptionVisitor& visit) {
   visit("max_range", max_range, "a range above it is a fault", {.unit = "m", .minimum = 0});
   visit("noise_correlation", noise_correlation, "of one reading's noise and the next one's",
         {.minimum = 0, .maximum = 0.99});
+  visit("beam_width", beam_width, "within which a reading may hold two surfaces",
+        {.unit = "m", .minimum = 0});
   visit("frame", frame, "name of the frame that the scans are in");
   check_unit(visit, "angle_unit", angle_unit, "rad");
   check_unit(visit, "range_unit", range_unit, "m");
@@ -180,7 +182,7 @@ Outcome<> RangeReadings::evaluate(const Evaluation& evaluation, Output& output) 
   make_readings(output, count);
   const auto p = payload_of<Parameters>(evaluation.parameters);
   assign<RangeScan>(output.estimate, {p.mount_x, p.mount_z, p.mount_heading, 0, 0, 0, 0,
-                                      options_.noise_correlation});
+                                      options_.noise_correlation, options_.beam_width});
   constexpr std::size_t parameter_count = dimension_of<Parameters>;
   std::array<double, scan_size * parameter_count> jacobian{};
   jacobian[0 * scan_size + 3] = 1;            // the offset, in m

@@ -67,6 +67,7 @@ class RangeReadings final : public Module {
     double min_range = 0;
     std::optional<double> max_range;
     double noise_correlation = 0;
+    double beam_width = 0;
     std::string frame = "lep";
     void declare(OptionVisitor& visit);
   };

@@ -35,7 +35,8 @@ struct RangeReading {
 /// frame stands still while the scan is taken and does not turn with the head.
 template <typename T>
 struct RangeScan {
-  T mount_x, mount_z, mount_heading, error_1, error_2, error_3, error_4, noise_correlation;
+  T mount_x, mount_z, mount_heading, error_1, error_2, error_3, error_4, noise_correlation,
+      beam_width;
 
   static constexpr std::string_view name = "range_scan";
   static constexpr std::string_view documentation =
@@ -50,7 +51,8 @@ struct RangeScan {
       {"error_2", "1", "another", 0},
       {"error_3", "1", "another", 0},
       {"error_4", "1", "another", 0},
-      {"noise_correlation", "1", "of one reading's noise and the next one's", 0}};
+      {"noise_correlation", "1", "of one reading's noise and the next one's; exact", 0},
+      {"beam_width", "m", "within which a reading may hold light of two surfaces; exact", 0}};
   static SamplesDescriptor samples() { return {"SI", {"reading", "quantity"}}; }
 };
 

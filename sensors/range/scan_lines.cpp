@@ -36,7 +36,8 @@ double difference(const RangeReading& reading, const InverseLine& a, const Inver
 
 ScanLines::ScanLines(const ScanLinesRule& rule) : rule_(rule), segmentation_(rule.segmentation) {}
 
-void ScanLines::begin(double noise_correlation) {
+void ScanLines::begin(double noise_correlation, double beam_width) {
+  beam_width_ = beam_width;
   noise_correlation_ = noise_correlation;
   noise_factor_ = (1 + noise_correlation) / (1 - noise_correlation);
   readings_.clear();
@@ -80,6 +81,8 @@ FittedSegment& ScanLines::new_segment() {
   FittedSegment& segment = segments_[count_++];
   segment.runs.clear();
   segment.arc.reset();
+  segment.mixed_before = 0;
+  segment.mixed_after = 0;
   return segment;
 }
 
@@ -144,10 +147,19 @@ void ScanLines::move_ends_to_corners() {
   }
 }
 
+/// How many readings at an end of a surface may hold light of two surfaces: those within the beam's
+/// width, as it is seen from the sensor. `inwards` is the neighbour on the surface.
+std::size_t ScanLines::mixed_readings(std::size_t reading, std::size_t inwards) const {
+  const double step = std::abs(readings_[reading].bearing - readings_[inwards].bearing);
+  const double zone = beam_width_ * readings_[reading].inverse_range;
+  if (zone == 0 || !(step > 0)) return 0;
+  constexpr double most = 1000;
+  return static_cast<std::size_t>(std::min(zone / step, most)) + 1;
+}
+
 /// Where the range jumps between two segments, the last readings before and the first ones after
 /// may hold light from both surfaces.
 void ScanLines::drop_mixed_readings() {
-  const std::size_t mixed = rule_.mixed_readings;
   const std::size_t least = rule_.segmentation.least_readings;
   for (std::size_t i = 0; i + 1 < count_; ++i) {
     ReadingRun& before = segments_[i].runs.back();
@@ -160,8 +172,16 @@ void ScanLines::drop_mixed_readings() {
         std::min(std::abs(difference(last, a, b)), std::abs(difference(first, a, b)));
     constexpr double clearly = 5;  // standard deviations of a reading
     if (jump < clearly * std::max(last.deviation, first.deviation)) continue;
-    if (before.size() >= least + mixed) before.end -= mixed;
-    if (after.size() >= least + mixed) after.begin += mixed;
+    const std::size_t mixed = std::max(mixed_readings(before.end - 1, before.end - 2),
+                                       mixed_readings(after.begin, after.begin + 1));
+    if (before.size() >= least + mixed) {
+      before.end -= mixed;
+      segments_[i].mixed_after = mixed;
+    }
+    if (after.size() >= least + mixed) {
+      after.begin += mixed;
+      segments_[i + 1].mixed_before = mixed;
+    }
   }
 }
 
@@ -184,6 +204,8 @@ bool ScanLines::may_be_round(const FittedSegment& a, const FittedSegment& b) con
   const InverseLine lb = information_of(b.runs).line();
   const double angle = std::abs(std::atan2(la.x * lb.z - la.z * lb.x, la.x * lb.x + la.z * lb.z));
   const double curvature = 2 * angle / (length(a) + length(b));
+  if (curvature * rule_.arc.largest_radius < 0.5 || curvature * rule_.arc.least_radius > 2)
+    return false;
   double expected_cost = 0;
   for (const FittedSegment* segment : {&a, &b}) {
     const ReadingRun& run = segment->runs.front();

@@ -17,8 +17,6 @@ struct ScanLinesRule {
   SegmentationRule segmentation = {};
   /// Missing readings between two pieces of one line may be this far apart (m).
   double max_gap = 0.2;
-  /// Readings left out on either side of a jump in range: the beam met both surfaces.
-  std::size_t mixed_readings = 1;
   ArcRule arc = {};
 };
 
@@ -27,8 +25,10 @@ struct FittedSegment {
   LineFit fit;
   std::optional<ArcFit> arc = {};  ///< where a circle explains the readings better
   std::vector<ReadingRun> runs;
-  std::size_t first = 0;  ///< reading
-  std::size_t last = 0;   ///< reading
+  std::size_t first = 0;         ///< reading
+  std::size_t last = 0;          ///< reading
+  std::size_t mixed_before = 0;  ///< readings left out before it at a jump in range
+  std::size_t mixed_after = 0;   ///< and behind it
 };
 
 /// Takes the readings of a scan one by one and tells its segments at the end; what ended on the way
@@ -37,8 +37,9 @@ class ScanLines {
  public:
   explicit ScanLines(const ScanLinesRule& rule);
 
-  /// Starts a scan whose neighbouring readings' errors have this correlation.
-  void begin(double noise_correlation);
+  /// Starts a scan whose neighbouring readings' errors have this correlation, and whose beam has
+  /// this width (m).
+  void begin(double noise_correlation, double beam_width);
   /// Takes a reading; true where it ended a segment.
   bool add(const RangeReading& reading);
   /// Decides on all readings where segments end, joins and fits them.
@@ -57,6 +58,7 @@ class ScanLines {
   void join_pieces();
   bool joins(const FittedSegment& before, const ReadingRun& next, LineInformation& information);
   void move_ends_to_corners();
+  std::size_t mixed_readings(std::size_t reading, std::size_t inwards) const;
   void drop_mixed_readings();
   void find_arcs();
   bool may_be_round(const FittedSegment& a, const FittedSegment& b) const;
@@ -69,6 +71,7 @@ class ScanLines {
 
   ScanLinesRule rule_;
   double noise_correlation_ = 0;
+  double beam_width_ = 0;
   double noise_factor_ = 1;  ///< of variances, for what neighbouring readings say alike
   std::vector<RangeReading> readings_;
   LineInformationSums sums_;
