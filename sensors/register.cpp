@@ -10,6 +10,8 @@
 #include "sensors/fusion/consistency.h"
 #include "sensors/fusion/covariance_intersection.h"
 #include "sensors/fusion/fuse.h"
+#include "sensors/lep/lep_detector.h"
+#include "sensors/lep/lep_triangulation.h"
 #include "sensors/scene/scene_wall.h"
 #include "sensors/sonar/sonar.h"
 #include "sensors/wall/planar_transform.h"
@@ -25,6 +27,8 @@ void register_sensors(Registry& registry) {
   registry.add<CovarianceIntersection>();
   registry.add<Fuse>();
   registry.add(expression_type());
+  registry.add<LepDetector>();
+  registry.add<LepTriangulation>();
   registry.add(linear_type());
   registry.add<PlanarTransform>();
   registry.add<RangeCalibration>();
