@@ -116,6 +116,37 @@ Outcome<> check(std::span<const LepCalibrationPoint> points, const LepScanOrigin
   return {};
 }
 
+/// Where chi² is least from one start.
+struct Minimum {
+  Eigen::Vector4d parameters;
+  double chi_squared;
+};
+
+Minimum descend(const PositionResiduals& residuals, const LepGeometry<double>& start) {
+  ceres::TinySolver<PositionResiduals> solver;
+  // The parameters are strongly correlated: stop only where chi² and they stand still.
+  solver.options.initial_trust_region_radius = 1e8;
+  solver.options.function_tolerance = 1e-9;
+  solver.options.parameter_tolerance = 1e-13;
+  solver.options.max_num_iterations = 200;
+  Eigen::Vector4d parameters(start.focal_length, start.baseline, start.vergence,
+                             start.lens_distance);
+  solver.Solve(residuals, &parameters);
+  return {parameters, 2 * solver.summary.final_cost};
+}
+
+/// From the paper's solution; where that does not lead to a good fit (an outlier can have ruined
+/// it), also from the shipped sensor's parameters.
+Eigen::Vector4d minimize(const PositionResiduals& residuals, const LepCalibration& calibration) {
+  const LepGeometry<double> shipped;
+  if (!calibration.linear) return descend(residuals, shipped).parameters;
+  const Minimum first = descend(residuals, calibration.linear->geometry);
+  const double degrees = calibration.degrees_of_freedom();
+  if (first.chi_squared < 2 * degrees) return first.parameters;
+  const Minimum second = descend(residuals, shipped);
+  return second.chi_squared < first.chi_squared ? second.parameters : first.parameters;
+}
+
 LepResiduals summarize(std::span<const LepCalibrationPoint> points,
                        const Eigen::VectorXd& weighted) {
   LepResiduals result;
@@ -188,18 +219,8 @@ Outcome<LepCalibration> calibrate_lep(std::span<const LepCalibrationPoint> point
   result.origin = origin;
   result.points = points.size();
   result.linear = fit_lep_linear(points, origin);
-  const LepGeometry<double> start = result.linear ? result.linear->geometry : LepGeometry<double>();
-  Eigen::Vector4d parameters(start.focal_length, start.baseline, start.vergence,
-                             start.lens_distance);
-
   const PositionResiduals residuals(points, origin);
-  ceres::TinySolver<PositionResiduals> solver;
-  // The parameters are strongly correlated: stop only where chi² and they stand still.
-  solver.options.initial_trust_region_radius = 1e8;
-  solver.options.function_tolerance = 1e-9;
-  solver.options.parameter_tolerance = 1e-13;
-  solver.options.max_num_iterations = 200;
-  solver.Solve(residuals, &parameters);
+  const Eigen::Vector4d parameters = minimize(residuals, result);
 
   const auto n = static_cast<Eigen::Index>(points.size());
   Eigen::VectorXd at_solution(n);

@@ -73,11 +73,11 @@ std::optional<LepLinearFit> fit_lep_linear(std::span<const LepCalibrationPoint> 
                                            const LepScanOrigin& origin);
 
 /// The maximum-likelihood fit: least squares on image position, weighted by its variance, by
-/// Levenberg-Marquardt from the paper's solution (or the shipped sensor's parameters). For 10,000
-/// points it takes some 10 ms.
-/// Faults: bad_data for a point that is not finite, has no positive sd or no positive depth from
-/// the scan origin; degenerate for fewer than 6 points, or data that do not determine the
-/// parameters, naming the combination that stays open.
+/// Levenberg-Marquardt from the paper's solution, or the shipped sensor's parameters where that one
+/// is not good enough. For 10,000 points it takes some 10 ms. Faults: bad_data for a point that is
+/// not finite, has no positive sd or no positive depth from the scan origin; degenerate for fewer
+/// than 6 points, or data that do not determine the parameters, naming the combination that stays
+/// open.
 Outcome<LepCalibration> calibrate_lep(std::span<const LepCalibrationPoint> points,
                                       const LepScanOrigin& origin);
 
