@@ -107,20 +107,15 @@ std::vector<LepCalibrationPoint> read_points(const LepArguments& arguments,
       read_option("--noise-current", arguments.noise_current, "A", {}, diagnostics);
   if (by_current && diagnostics.empty() && !(noise.value > 0))
     fail(exit_bad_input, "--noise-current: a noise current is positive");
-  const std::array<TableColumn, 4> columns = {{{"scan_angle", "rad"},
-                                               {"depth", "m"},
-                                               {"image_position", "m"},
-                                               by_current
-                                                   ? TableColumn{"detector_current", "A", true}
-                                                   : TableColumn{"image_position_std", "m", true}}};
+  const std::array<TableColumn, 4> columns = {
+      {{"scan_angle", "rad"},
+       {"depth", "m"},
+       {"image_position", "m"},
+       by_current ? TableColumn{"detector_current", "A", true}
+                  : TableColumn{"image_position_std", "m", true,
+                                "a column detector_current with --noise-current"}}};
   CalibrationTable table = read_calibration_table(arguments.common.file, columns, diagnostics);
-  if (!diagnostics.empty()) {
-    if (!by_current)
-      fmt::print(stderr,
-                 "ilss: image positions need an sd: a column image_position_std, or a column "
-                 "detector_current and --noise-current\n");
-    report_and_exit(diagnostics);
-  }
+  if (!diagnostics.empty()) report_and_exit(diagnostics);
   const double noise_current = std::hypot(noise.value, noise.deviation);
   std::vector<LepCalibrationPoint> points;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
@@ -167,16 +162,17 @@ LepTableReport judge_table(std::span<const LepCalibrationPoint> points,
           {}};
 }
 
-/// A point that stands behind the scan origin is the data's fault, or the origin's.
+/// Complains of the first reading that the laser cannot have reached: where it stands is known here
+/// only.
 void check_points(std::span<const LepCalibrationPoint> points, const std::vector<Position>& rows,
                   const LepScanOrigin& origin, Diagnostics& diagnostics) {
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double theta = points[i].scan_angle + origin.projected_vergence;
+  for (std::size_t i = 0; i < points.size() && diagnostics.empty(); ++i) {
     if (!(points[i].depth > origin.z))
       diagnostics.add(rows[i], fmt::format("the depth, {:g} m, is not in front of the scan origin, "
                                            "at {:g} m",
                                            points[i].depth, origin.z));
-    if (!(std::cos(theta) > 0)) diagnostics.add(rows[i], "the scan angle must be less than 90 deg");
+    else if (!(std::cos(points[i].scan_angle + origin.projected_vergence) > 0))
+      diagnostics.add(rows[i], "the laser's angle must be less than 90 deg");
   }
 }
 

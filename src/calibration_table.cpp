@@ -59,10 +59,10 @@ std::optional<FoundColumn> find_column(const Recording& recording, const TableCo
   }
   if (!found)
     diagnostics.add(
-        file, fmt::format("there is no column '{}'; expected {} under '{} [{}]' (the "
-                          "columns are: {}){}",
-                          wanted.name, dimension_name(wanted.unit), wanted.name, wanted.unit,
-                          fmt::join(names, ", "), suggestion(std::string(wanted.name), names)));
+        file, fmt::format("there is no column '{0}'; expected {1} under '{0} [{2}]'{3}{4} (the "
+                          "columns are: {5})",
+                          wanted.name, dimension_name(wanted.unit), wanted.unit,
+                          wanted.hint.empty() ? "" : ", or ", wanted.hint, fmt::join(names, ", ")));
   return found;
 }
 

@@ -13,7 +13,8 @@ namespace ilss {
 struct TableColumn {
   std::string_view name;
   std::string_view unit;
-  bool positive = false;  ///< numbers that are not are errors
+  bool positive = false;       ///< numbers that are not are errors
+  std::string_view hint = {};  ///< what else can be done where it is missing
 };
 
 /// The wanted columns in their order, in SI units, and where each row stands.
