@@ -15,6 +15,7 @@
 #include "framework/estimate/consistency.h"
 #include "framework/estimate/random.h"
 #include "sensors/lep/lep_calibration_data.h"
+#include "sensors/lep/lep_table.h"
 
 namespace ilss::benchmarks {
 namespace {
@@ -105,6 +106,23 @@ void tabulate(std::size_t calibrations, std::uint64_t seed) {
              1e3 * times[times.size() / 2], 1e3 * times.back());
 }
 
+/// What interpolation in a table of that many depths does, and single readings in it.
+void tabulate_tables(std::uint64_t seed) {
+  fmt::print("\n{:>6} {:>14} {:>14} {:>18} {:>14}\n", "depths", "rms error", "largest",
+             "rms, with noise", "cells lost");
+  for (const std::size_t depths : {10, 20, 40, 80}) {
+    LepCalibrationDesign design;
+    design.depths = depths;
+    const auto table = LepTable::make(simulate_lep_calibration(design, seed));
+    if (!table) continue;
+    const LepTableError alone = interpolation_error(*table, design.geometry, design.origin);
+    const LepTableError noisy = table_error(*table, design.geometry, design.origin);
+    fmt::print("{:>6} {:>11.3f} mm {:>11.3f} mm {:>15.3f} mm {:>12.1f} %\n", depths,
+               1e3 * alone.rms, 1e3 * alone.largest, 1e3 * noisy.rms,
+               100 - 100 * static_cast<double>(noisy.inverted) / static_cast<double>(noisy.cells));
+  }
+}
+
 /// A small calibration of the shipped sensor, mounted off the head's axis.
 void write_example(const std::string& folder, std::uint64_t seed) {
   LepCalibrationDesign design;
@@ -156,9 +174,11 @@ int main(int argc, char** argv) {
   app.add_option("--seed", seed, "Of the first one");
   app.add_option("--example", folder, "Write the example data set into this folder");
   CLI11_PARSE(app, argc, argv);
-  if (folder.empty())
-    ilss::benchmarks::tabulate(calibrations, seed);
-  else
+  if (!folder.empty()) {
     ilss::benchmarks::write_example(folder, seed);
+    return 0;
+  }
+  ilss::benchmarks::tabulate(calibrations, seed);
+  ilss::benchmarks::tabulate_tables(seed);
   return 0;
 }

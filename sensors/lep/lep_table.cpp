@@ -96,7 +96,7 @@ Outcome<LepTableDepth> LepTable::invert(double scan_angle, double image_position
         fmt::format("the table reaches from {:.3f} to {:.3f} deg; {:.3f} deg lies outside",
                     angles_.front() * degrees, angles_.back() * degrees, scan_angle * degrees)};
   const std::size_t upper = index_of(angles_, scan_angle);
-  const auto at = invert_at(upper, image_position);
+  auto at = invert_at(upper, image_position);
   if (!at || angles_[upper] == scan_angle) return at;
   const auto before = invert_at(upper - 1, image_position);
   if (!before) return before.fault();
