@@ -61,6 +61,12 @@ TEST(ConstantsFile, WrongDimensionIsReportedWhereTheConstantIsUsed) {
             "graph.yaml:5:28: 'rad' is not a length (m)\n");
 }
 
+TEST(ConstantsFile, NameThatNoFileCanHaveIsAnError) {
+  const std::string name(5000, 'x');
+  const std::string errors = read_text("constants: {fit: {file: " + name + "}}").errors;
+  EXPECT_NE(errors.find("graph.yaml:1:25: there is no file '"), std::string::npos) << errors;
+}
+
 TEST(ConstantsFile, EmptyFileIsAnError) {
   const Folder folder;
   folder.write("fit.yaml", "");
