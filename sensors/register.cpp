@@ -10,8 +10,10 @@
 #include "sensors/fusion/consistency.h"
 #include "sensors/fusion/covariance_intersection.h"
 #include "sensors/fusion/fuse.h"
+#include "sensors/lep/lep_detector.h"
 #include "sensors/lep/lep_ranging.h"
 #include "sensors/lep/lep_sensor.h"
+#include "sensors/lep/lep_triangulation.h"
 #include "sensors/range/ekf_line_extractor.h"
 #include "sensors/range/line_extractor.h"
 #include "sensors/range/range_readings.h"
@@ -35,6 +37,8 @@ void register_sensors(Registry& registry) {
   registry.add<LepRanging>();
   registry.add<LepSensor>();
   registry.add<LineExtractor>();
+  registry.add<LepDetector>();
+  registry.add<LepTriangulation>();
   registry.add(linear_type());
   registry.add<PlanarTransform>();
   registry.add<RangeCalibration>();

@@ -42,6 +42,7 @@ int do_verb(int argc, char** argv) {
   add_predict(app, session);
   add_run(app, session);
   add_compare(app, session);
+  add_calibrate(app);
   add_graph(app, session);
   add_schema(app, session);
   try {

@@ -69,6 +69,7 @@ void add_eval(CLI::App& app, Session& session);
 void add_predict(CLI::App& app, Session& session);
 void add_run(CLI::App& app, Session& session);
 void add_compare(CLI::App& app, Session& session);
+void add_calibrate(CLI::App& app);
 void add_graph(CLI::App& app, Session& session);
 void add_schema(CLI::App& app, Session& session);
 

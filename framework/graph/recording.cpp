@@ -74,12 +74,14 @@ Recording read_recording(const std::filesystem::path& path, Diagnostics& diagnos
   Recording recording;
   Position position = whole_file(path);
   std::ifstream stream(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(stream)),
-                         std::istreambuf_iterator<char>());
-  if (!stream || std::filesystem::is_directory(path)) {
+  std::error_code unknown;
+  // A folder opens like a file, and throws when it is read.
+  if (!stream || std::filesystem::is_directory(path, unknown)) {
     diagnostics.add(position, "the recording cannot be read");
     return recording;
   }
+  const std::string text((std::istreambuf_iterator<char>(stream)),
+                         std::istreambuf_iterator<char>());
   std::string_view rest = text;
   constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
   if (rest.starts_with(byte_order_mark)) rest.remove_prefix(byte_order_mark.size());

@@ -27,11 +27,14 @@ template <typename T>
 struct LepRay {
   T a, b, focal_tangent, focal_length;
 
-  LepRay(const LepGeometry<T>& g, double scan_angle) {
+  /// `Angle` is T, or double where the scan angle is exact.
+  template <typename Angle>
+  LepRay(const LepGeometry<T>& g, const Angle& scan_angle) {
     using std::cos;
+    using std::sin;
     using std::tan;
-    const double c = std::cos(scan_angle);
-    const double s = std::sin(scan_angle);
+    const Angle c = cos(scan_angle);
+    const Angle s = sin(scan_angle);
     const T tangent = tan(g.vergence);
     a = g.baseline * (s - c * tangent) - g.lens_distance / cos(g.vergence);
     b = g.baseline * (c + s * tangent);
