@@ -12,8 +12,12 @@ namespace {
 constexpr Eigen::Index scan_size = dimension_of<RangeScan>;
 constexpr Eigen::Index mount_size = 3;
 
-/// Sources that a segment's own noise takes at most, and so the distance of their numbers.
-constexpr std::uint32_t columns_of_segment = 4;
+/// The sources that belong to a segment: its fit's noise, what a line's rho departs from first
+/// order, and where within a ray's step its two ends lie.
+constexpr std::uint32_t columns_of_segment = 8;
+constexpr std::uint32_t column_of_second_order = 4;
+constexpr std::uint32_t column_of_start = 5;
+constexpr std::uint32_t column_of_end = 6;
 
 template <typename T>
 struct Point {
@@ -71,7 +75,7 @@ Variables<N> variables(const Eigen::Matrix<double, N, 1>& values) {
 template <int P, std::size_t Rows, typename T>
 void write_feature(const std::array<T, Rows>& components, const Eigen::Matrix<double, P, P>& noise,
                    const Eigen::Matrix<double, P, scan_dependences>& by_scan, const Estimate& scan,
-                   Source first, Estimate& out) {
+                   const std::array<Source, P>& sources, Estimate& out) {
   constexpr auto rows = static_cast<Eigen::Index>(Rows);
   Eigen::Matrix<double, rows, P> by_fit;
   Eigen::Matrix<double, rows, mount_size> by_mount;
@@ -90,7 +94,7 @@ void write_feature(const std::array<T, Rows>& components, const Eigen::Matrix<do
   const Eigen::Matrix<double, P, P> factor = noise.llt().matrixL();
   const Eigen::Matrix<double, rows, P> columns = by_fit * factor;
   for (int k = 0; k < P; ++k)
-    out.lineage.add({first.owner, first.column + static_cast<std::uint32_t>(k), first.tick},
+    out.lineage.add(sources[static_cast<std::size_t>(k)],
                     std::span<const double>(columns.col(k).data(), Rows));
 }
 
@@ -103,6 +107,11 @@ double inverse_range_at(const RangeReading& r, const InverseLine& m) {
 
 FeatureWriter::FeatureWriter(const Evaluation& evaluation, const Estimate& scan, Output& output)
     : evaluation_(evaluation), scan_(scan), output_(output) {}
+
+/// One of the sources that belong to a segment.
+Source FeatureWriter::source(std::size_t segment, std::uint32_t column) const {
+  return evaluation_.fresh(columns_of_segment * static_cast<std::uint32_t>(segment) + column);
+}
 
 Estimate& FeatureWriter::next(const PayloadDescriptor& type) {
   if (count_ == output_.elements.size()) output_.elements.emplace_back();
@@ -118,8 +127,7 @@ void FeatureWriter::add(const FittedSegment& segment, std::span<const RangeReadi
                         bool is_open) {
   const RangeReading& first = readings[segment.first];
   const RangeReading& last = readings[segment.last];
-  const Source source =
-      evaluation_.fresh(columns_of_segment * static_cast<std::uint32_t>(segments_++));
+  const std::size_t index = segments_++;
   if (segment.arc) {
     const ArcFit& fit = *segment.arc;
     Eigen::Matrix<double, 6, 1> values = Eigen::Matrix<double, 6, 1>::Zero();
@@ -130,7 +138,8 @@ void FeatureWriter::add(const FittedSegment& segment, std::span<const RangeReadi
     const Point<T> end = meet_circle(Ray<T>(last, v[3], v[4], v[5]), v[0], v[1], v[2]);
     const std::array<T, 8> components{v[0],    v[1],  v[2],  start.x,
                                       start.z, end.x, end.z, T(static_cast<double>(fit.readings))};
-    write_feature<3>(components, fit.covariance, fit.by_scan, scan_, source,
+    write_feature<3>(components, fit.covariance, fit.by_scan, scan_,
+                     {source(index, 0), source(index, 1), source(index, 2)},
                      next(descriptor<ArcSegment>()));
     return;
   }
@@ -145,18 +154,20 @@ void FeatureWriter::add(const FittedSegment& segment, std::span<const RangeReadi
       1.0 / sqrt(v[0] * v[0] + v[1] * v[1]), atan2(v[1], v[0]), start.x, start.z, end.x, end.z,
       T(static_cast<double>(fit.readings))};
   Estimate& element = next(descriptor<LineSegment>());
-  write_feature<2>(components, fit.covariance, fit.by_scan, scan_, source, element);
+  write_feature<2>(components, fit.covariance, fit.by_scan, scan_,
+                   {source(index, 0), source(index, 1)}, element);
+  // A short line turns about its middle, and its distance from the origin then changes by
+  // -rho (change of phi)² / 2. First order does not see that; here is its root mean square.
+  const double second_order = std::sqrt(0.75) * element.value[0] * element.lineage.variance(1);
+  element.lineage.add(source(index, column_of_second_order), 0, second_order);
   element.labels.assign(1, is_open ? 1 : 0);
 }
 
 void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& after,
                              std::span<const RangeReading> readings) {
   if (before.arc || after.arc) return;
-  const auto source_of = [&](std::size_t segment) {
-    return evaluation_.fresh(columns_of_segment * static_cast<std::uint32_t>(segment));
-  };
-  const Source second = source_of(segments_ - 1);
-  const Source first = source_of(segments_ - 2);
+  const std::size_t second = segments_ - 1;
+  const std::size_t first = segments_ - 2;
   if (before.last + 1 == after.first) {
     // m1 · x = 1 and m2 · x = 1.
     Eigen::Vector4d values(before.fit.line.x, before.fit.line.z, after.fit.line.x,
@@ -176,12 +187,11 @@ void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& a
     const LineageTerm term{jacobian.data(), &scan_.lineage};
     compose({&term, 1}, 2, edge.lineage);
     const auto add_noise = [&](const Eigen::Matrix2d& by_fit, const Eigen::Matrix2d& noise,
-                               Source source) {
+                               std::size_t segment) {
       const Eigen::Matrix2d factor = noise.llt().matrixL();
       const Eigen::Matrix2d columns = by_fit * factor;
       for (std::uint32_t k = 0; k < 2; ++k)
-        edge.lineage.add({source.owner, source.column + k, source.tick},
-                         std::span<const double>(columns.col(k).data(), 2));
+        edge.lineage.add(source(segment, k), std::span<const double>(columns.col(k).data(), 2));
     };
     add_noise(by_fits.leftCols<2>(), before.fit.covariance, first);
     add_noise(by_fits.rightCols<2>(), after.fit.covariance, second);
@@ -215,8 +225,11 @@ void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& a
       Eigen::Matrix<double, 3, scan_dependences>::Zero();
   by_scan.topRows<2>() = nearer.fit.by_scan;
   Estimate& edge = next(descriptor<RangeEdge>());
+  const std::size_t index_of_nearer = before_is_nearer ? first : second;
   write_feature<3>(std::array<T, 2>{place.x, place.z}, noise, by_scan, scan_,
-                   before_is_nearer ? first : second, edge);
+                   {source(index_of_nearer, 0), source(index_of_nearer, 1),
+                    source(index_of_nearer, before_is_nearer ? column_of_end : column_of_start)},
+                   edge);
   edge.labels.assign(1, static_cast<int>(EdgeKind::jump));
 }
 

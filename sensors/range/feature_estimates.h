@@ -29,6 +29,7 @@ class FeatureWriter {
 
  private:
   Estimate& next(const PayloadDescriptor& type);
+  Source source(std::size_t segment, std::uint32_t column) const;
 
   const Evaluation& evaluation_;
   const Estimate& scan_;

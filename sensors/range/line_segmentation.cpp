@@ -9,6 +9,8 @@ namespace {
 constexpr std::size_t shortest_look = 4;
 constexpr std::size_t longest_look = 64;
 constexpr int most_rounds = 8;
+/// Below it a saving in cost is rounding.
+constexpr double least_saving = 1e-6;
 
 }  // namespace
 
@@ -66,21 +68,22 @@ void LineSegmentation::break_before_last(const LineInformationSums& sums) {
   gaps_.push_back(last);
 }
 
+bool LineSegmentation::after_gap(std::size_t begin) const {
+  return std::binary_search(gaps_.begin(), gaps_.end(), begin);
+}
+
 /// One pass over the runs: each is split where that is worth it, and the end that it shares with
 /// the next moves to the best place, which may be either's other end: then the two are one.
 bool LineSegmentation::refine_once(const LineInformationSums& sums) {
   bool changed = false;
   refined_.clear();
-  const auto after_gap = [&](std::size_t begin) {
-    return std::binary_search(gaps_.begin(), gaps_.end(), begin);
-  };
   for (const ReadingRun& run : runs_) {
     ReadingRun rest = run;
     if (!refined_.empty() && !after_gap(rest.begin)) {
       ReadingRun& before = refined_.back();
       const Split split = best_split(sums, before.begin, rest.end);
       const double now = cost(sums, before.begin, before.end) + cost(sums, rest.begin, rest.end);
-      if (split.cost < now - 1e-9) {
+      if (split.cost < now - least_saving) {
         changed = true;
         before.end = split.at;
         rest.begin = split.at;
@@ -102,6 +105,33 @@ bool LineSegmentation::refine_once(const LineInformationSums& sums) {
     }
   }
   runs_.swap(refined_);
+  return remove_middles(sums) || changed;
+}
+
+/// Takes out runs that neither neighbour alone would take, but both together do.
+bool LineSegmentation::remove_middles(const LineInformationSums& sums) {
+  bool changed = false;
+  for (std::size_t i = 1; i + 1 < runs_.size();) {
+    const std::size_t begin = runs_[i - 1].begin;
+    const std::size_t end = runs_[i + 1].end;
+    if (after_gap(runs_[i].begin) || after_gap(runs_[i + 1].begin)) {
+      ++i;
+      continue;
+    }
+    double now = 0;
+    for (std::size_t k = i - 1; k <= i + 1; ++k) now += cost(sums, runs_[k].begin, runs_[k].end);
+    const Split split = best_split(sums, begin, end);
+    if (split.cost >= now - least_saving) {
+      ++i;
+      continue;
+    }
+    changed = true;
+    runs_[i - 1].end = split.at;
+    runs_[i + 1].begin = split.at;
+    const std::size_t taken_out = split.at == end ? 2 : 1;
+    runs_.erase(runs_.begin() + static_cast<std::ptrdiff_t>(i),
+                runs_.begin() + static_cast<std::ptrdiff_t>(i + taken_out));
+  }
   return changed;
 }
 

@@ -20,7 +20,7 @@ struct ReadingRun {
 struct SegmentationRule {
   /// Chi² that a segment must save. A third segment on two walls saves this by luck in the best of
   /// all places, so it is well above what one place would need.
-  double evidence = 42;
+  double evidence = 36;
   double outlier_cost = 12;        ///< chi² for a reading that belongs to no segment
   std::size_t least_readings = 5;  ///< of a segment
 };
@@ -57,7 +57,9 @@ class LineSegmentation {
     double cost;
   };
   Split best_split(const LineInformationSums& sums, std::size_t begin, std::size_t end) const;
+  bool after_gap(std::size_t begin) const;
   bool refine_once(const LineInformationSums& sums);
+  bool remove_middles(const LineInformationSums& sums);
 
   SegmentationRule rule_;
   std::vector<ReadingRun> runs_ = std::vector<ReadingRun>(1);

@@ -118,35 +118,6 @@ void ScanLines::join_pieces() {
   }
 }
 
-/// Where two lines meet, the readings up to their intersection belong to one and those behind it to
-/// the other: the lines, which all readings determine, tell the end better than the few readings
-/// next to it, whose noise the best end would follow.
-void ScanLines::move_ends_to_corners() {
-  for (std::size_t i = 0; i + 1 < count_; ++i) {
-    ReadingRun& before = segments_[i].runs.back();
-    ReadingRun& after = segments_[i + 1].runs.front();
-    if (before.end != after.begin || segments_[i].arc || segments_[i + 1].arc) continue;
-    for (int round = 0; round < 2; ++round) {
-      const InverseLine a = information_of(segments_[i].runs).line();
-      const InverseLine b = information_of(segments_[i + 1].runs).line();
-      const double sign = difference(readings_[before.begin], a, b);
-      std::size_t corner = before.end;
-      while (corner > before.begin && difference(readings_[corner - 1], a, b) * sign < 0) --corner;
-      while (corner < after.end && difference(readings_[corner], a, b) * sign > 0) ++corner;
-      const std::size_t least = rule_.segmentation.least_readings;
-      if (corner < before.begin + least || corner + least > after.end || corner == before.end)
-        break;
-      const double now = sums_.of(before.begin, before.end).chi_squared(a) +
-                         sums_.of(after.begin, after.end).chi_squared(b);
-      const double then = sums_.of(before.begin, corner).chi_squared(a) +
-                          sums_.of(corner, after.end).chi_squared(b);
-      if (then > now + rule_.segmentation.outlier_cost) break;  // they do not meet there
-      before.end = corner;
-      after.begin = corner;
-    }
-  }
-}
-
 /// How many readings at an end of a surface may hold light of two surfaces: those within the beam's
 /// width, as it is seen from the sensor. `inwards` is the neighbour on the surface.
 std::size_t ScanLines::mixed_readings(std::size_t reading, std::size_t inwards) const {
@@ -157,32 +128,63 @@ std::size_t ScanLines::mixed_readings(std::size_t reading, std::size_t inwards) 
   return static_cast<std::size_t>(std::min(zone / step, most)) + 1;
 }
 
-/// Where the range jumps between two segments, the last readings before and the first ones after
-/// may hold light from both surfaces.
-void ScanLines::drop_mixed_readings() {
+/// Settles how one segment ends and the next begins, by their lines without the readings next to
+/// the end, which may hold light of both. Either the lines meet there, a corner: then the readings
+/// up to their intersection belong to one and those behind it to the other; the lines, which all
+/// readings determine, tell that better than the few readings next to the end, whose noise the best
+/// end follows. Or the range jumps: then what may be mixed is left out.
+void ScanLines::settle_end(FittedSegment& first, FittedSegment& second) {
+  ReadingRun& before = first.runs.back();
+  ReadingRun& after = second.runs.front();
   const std::size_t least = rule_.segmentation.least_readings;
-  for (std::size_t i = 0; i + 1 < count_; ++i) {
-    ReadingRun& before = segments_[i].runs.back();
-    ReadingRun& after = segments_[i + 1].runs.front();
-    const RangeReading& last = readings_[before.end - 1];
-    const RangeReading& first = readings_[after.begin];
-    const InverseLine a = information_of(segments_[i].runs).line();
-    const InverseLine b = information_of(segments_[i + 1].runs).line();
-    const double jump =
-        std::min(std::abs(difference(last, a, b)), std::abs(difference(first, a, b)));
-    constexpr double clearly = 5;  // standard deviations of a reading
-    if (jump < clearly * std::max(last.deviation, first.deviation)) continue;
-    const std::size_t mixed = std::max(mixed_readings(before.end - 1, before.end - 2),
-                                       mixed_readings(after.begin, after.begin + 1));
-    if (before.size() >= least + mixed) {
-      before.end -= mixed;
-      segments_[i].mixed_after = mixed;
-    }
-    if (after.size() >= least + mixed) {
-      after.begin += mixed;
-      segments_[i + 1].mixed_before = mixed;
+  const std::size_t mixed = std::max(mixed_readings(before.end - 1, before.end - 2),
+                                     mixed_readings(after.begin, after.begin + 1));
+  const std::size_t mixed_before = before.size() >= least + mixed ? mixed : 0;
+  const std::size_t mixed_after = after.size() >= least + mixed ? mixed : 0;
+  const auto clean_line = [&](const FittedSegment& segment, std::size_t begin, std::size_t end) {
+    return (information_of(segment.runs) - sums_.of(begin, end)).line();
+  };
+  const InverseLine a = clean_line(first, before.end - mixed_before, before.end);
+  const InverseLine b = clean_line(second, after.begin, after.begin + mixed_after);
+  const bool both_lines = !first.arc && !second.arc;
+  if (both_lines && before.end == after.begin) {
+    if (const auto corner = find_corner(before, after, a, b)) {
+      before.end = after.begin = *corner;
+      return;
     }
   }
+  constexpr double clearly = 5;  // standard deviations of a reading
+  const RangeReading& last = readings_[before.end - 1 - mixed_before];
+  const RangeReading& next = readings_[after.begin + mixed_after];
+  const double jump = std::min(std::abs(difference(last, a, b)), std::abs(difference(next, a, b)));
+  if (both_lines && jump < clearly * std::max(last.deviation, next.deviation)) return;
+  before.end -= mixed_before;
+  after.begin += mixed_after;
+  first.mixed_after = mixed_before;
+  second.mixed_before = mixed_after;
+}
+
+/// The first reading of `after` if the lines a and b meet near its present begin and that costs
+/// little.
+std::optional<std::size_t> ScanLines::find_corner(const ReadingRun& before, const ReadingRun& after,
+                                                  const InverseLine& a,
+                                                  const InverseLine& b) const {
+  const std::size_t least = rule_.segmentation.least_readings;
+  const double sign = difference(readings_[before.begin], a, b);
+  std::size_t corner = before.end;
+  while (corner > before.begin && difference(readings_[corner - 1], a, b) * sign < 0) --corner;
+  while (corner < after.end && difference(readings_[corner], a, b) * sign > 0) ++corner;
+  if (corner < before.begin + least || corner + least > after.end) return std::nullopt;
+  const double now = sums_.of(before.begin, before.end).chi_squared(a) +
+                     sums_.of(after.begin, after.end).chi_squared(b);
+  const double then =
+      sums_.of(before.begin, corner).chi_squared(a) + sums_.of(corner, after.end).chi_squared(b);
+  if (then > now + rule_.segmentation.outlier_cost) return std::nullopt;
+  return corner;
+}
+
+void ScanLines::settle_ends() {
+  for (std::size_t i = 0; i + 1 < count_; ++i) settle_end(segments_[i], segments_[i + 1]);
 }
 
 double ScanLines::cost(const FittedSegment& segment) const {
@@ -305,8 +307,7 @@ void ScanLines::finish() {
   segmentation_.refine(sums_);
   join_pieces();
   if (rule_.arc.largest_radius > 0) find_arcs();
-  move_ends_to_corners();
-  drop_mixed_readings();
+  settle_ends();
   fit_all();
 }
 

@@ -57,9 +57,11 @@ class ScanLines {
   bool is_gap(const RangeReading& reading) const;
   void join_pieces();
   bool joins(const FittedSegment& before, const ReadingRun& next, LineInformation& information);
-  void move_ends_to_corners();
   std::size_t mixed_readings(std::size_t reading, std::size_t inwards) const;
-  void drop_mixed_readings();
+  void settle_ends();
+  void settle_end(FittedSegment& first, FittedSegment& second);
+  std::optional<std::size_t> find_corner(const ReadingRun& before, const ReadingRun& after,
+                                         const InverseLine& a, const InverseLine& b) const;
   void find_arcs();
   bool may_be_round(const FittedSegment& a, const FittedSegment& b) const;
   bool join_to_arc(FittedSegment& before, const FittedSegment& after) const;
