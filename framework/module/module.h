@@ -31,10 +31,14 @@ struct Evaluation {
   RandomBits random() const { return RandomBits(seed); }
 };
 
-/// An instruction from the top: a declared name and a value (quantities in SI units).
+/// A command's value as declared: a quantity (in the SI unit) or number is a double, a text or
+/// choice a string.
+using CommandValue = std::variant<std::monostate, double, std::int64_t, bool, std::string>;
+
+/// An instruction from the top: a declared name and its value.
 struct Command {
   std::string name;
-  std::variant<std::monostate, double, std::int64_t, bool, std::string> value;
+  CommandValue value;
 };
 
 /// What an embedded test found.
@@ -71,7 +75,9 @@ class Module {
     return evaluate(evaluation, output);
   }
 
-  /// Follows a declared command between ticks, or refuses it with a reason.
+  /// Follows a declared command between ticks, or refuses it: with the fault `refused` and a
+  /// reason, and then nothing has changed. The framework checks the value's kind and unit, not its
+  /// range.
   virtual Outcome<> command(const Command& command) {
     return Fault{FaultKind::refused, "the module knows no command '" + command.name + "'"};
   }
