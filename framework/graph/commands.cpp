@@ -133,7 +133,7 @@ void CommandReader::find_target_in_system(const Node& to, const std::string& pre
     command.declaration = inner.declaration;
     return;
   }
-  const std::string_view named = first_part(to.text);
+  const std::string named = first_part(to.text);
   if (names.empty())
     diagnostics_.add(to.position, fmt::format("the system '{}' has no commands", named));
   else
