@@ -35,10 +35,12 @@ struct Evaluation {
 /// choice a string.
 using CommandValue = std::variant<std::monostate, double, std::int64_t, bool, std::string>;
 
-/// An instruction from the top: a declared name and its value.
+/// An instruction from the top: a declared name, its value, and when it is given (s since the
+/// start): from the last tick's time to the next one's, so that what moves can start in between.
 struct Command {
   std::string name;
   CommandValue value;
+  double time = 0;
 };
 
 /// What an embedded test found.

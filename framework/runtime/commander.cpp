@@ -13,7 +13,8 @@ constexpr double rounding = 1e-12;
 Commander::Commander(const Plan& plan) : plan_(&plan) {
   for (std::size_t i = 0; i < plan.commands.size(); ++i) {
     const PlanCommand& command = plan.commands[i];
-    if (command.driver) drives_.push_back({i, *command.driver, {command.declaration->name, 0.0}});
+    if (command.driver)
+      drives_.push_back({i, *command.driver, {.name = command.declaration->name, .value = {}}});
   }
   given_.reserve(drives_.size());
 }
@@ -27,18 +28,25 @@ void Commander::schedule(ScheduledCommand command) {
   scheduled_.insert(place, std::move(command));
 }
 
-void Commander::give(System& system, double time) {
+void Commander::give_due(System& system, double time) {
   given_.clear();
+  give_driven(system);
+  for (; next_ < scheduled_.size() && scheduled_[next_].time <= time * (1 + rounding); ++next_) {
+    ScheduledCommand& due = scheduled_[next_];
+    give_one(system, due.command,
+             {.name = plan_->commands[due.command].declaration->name,
+              .value = std::move(due.value),
+              .time = std::min(std::max(due.time, last_tick_), time)});
+  }
+}
+
+void Commander::give_driven(System& system) {
   for (Drive& drive : drives_) {
     const NodeState& driver = system.node(drive.from.node);
     if (!driver.fresh) continue;
+    drive.to_give.time = last_tick_;
     drive.to_give.value = driver.output.estimate.value[drive.from.component];
     give_one(system, drive.command, drive.to_give);
-  }
-  for (; next_ < scheduled_.size() && scheduled_[next_].time <= time * (1 + rounding); ++next_) {
-    ScheduledCommand& due = scheduled_[next_];
-    const std::string& name = plan_->commands[due.command].declaration->name;
-    give_one(system, due.command, {name, std::move(due.value)});
   }
 }
 

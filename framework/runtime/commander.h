@@ -19,10 +19,10 @@ struct GivenCommand {
 };
 
 /// Gives a plan's modules their commands between ticks. First those that outputs of the tick before
-/// drive, in the plan's order; then those from outside that are due, by time and then in the order
-/// they were scheduled. So whoever commands from outside has the last word until the next driven
-/// value, and the same schedule gives the same run. Memory is allocated by `schedule`, and by
-/// commands of text and refusals; driven ones need none.
+/// drive, in the plan's order and with that tick's time; then those from outside that are due, by
+/// time and then in the order they were scheduled. So whoever commands from outside has the last
+/// word until the next driven value, and the same schedule gives the same run. Memory is allocated
+/// by `schedule`, and by commands of text and refusals; driven ones need none.
 class Commander {
  public:
   /// The plan must outlive it.
@@ -31,12 +31,13 @@ class Commander {
   /// @pre The command is one of the plan's, its value of the declared kind, its time a number.
   void schedule(ScheduledCommand command);
 
-  /// Whether no command is driven, waits, or was given before the last tick.
-  bool idle() const { return drives_.empty() && waiting() == 0 && given_.empty(); }
-
   /// Gives what is due before the next tick, at `time` (s). A time that is later by rounding alone
   /// counts as reached.
-  void give(System& system, double time);
+  void give(System& system, double time) {
+    if (!idle()) [[unlikely]]
+      give_due(system, time);
+    last_tick_ = time;
+  }
 
   /// What the last call of `give` gave, in order.
   std::span<const GivenCommand> given() const { return given_; }
@@ -53,6 +54,10 @@ class Commander {
     Command to_give;
   };
 
+  /// Whether no command is driven, waits, or was given last time.
+  bool idle() const { return drives_.empty() && waiting() == 0 && given_.empty(); }
+  void give_due(System& system, double time);
+  void give_driven(System& system);
   void give_one(System& system, std::size_t command, const Command& to_give);
 
   const Plan* plan_;
@@ -61,6 +66,7 @@ class Commander {
   std::size_t next_ = 0;
   std::vector<GivenCommand> given_;
   std::uint64_t refused_ = 0;
+  double last_tick_ = 0;  ///< its time (s)
 };
 
 }  // namespace ilss

@@ -26,8 +26,7 @@ Runner::Runner(const Plan& plan, std::uint64_t seed, Folding folding)
       outcomes_(plan.nodes.size()) {}
 
 void Runner::step(double time) {
-  if (!commander_.idle()) [[unlikely]]
-    commander_.give(system_, time);
+  commander_.give(system_, time);
   ClockReader reader{clock_, readings_.data()};
   system_.evaluate(time, reader);
   for (std::size_t i = 0; i < system_.size(); ++i) record(i);

@@ -105,7 +105,8 @@ class Dial final : public Module {
   static Interface interface() { return {{}, &descriptor<Number>(), "robot", {}}; }
   static std::vector<CommandDeclaration> commands() {
     return {number_command("set", "sets the number"), number_command("add", "adds to the number"),
-            text_command("text", "changes nothing")};
+            text_command("text", "changes nothing"),
+            number_command("time", "sets the number to the time of the command")};
   }
   explicit Dial(const Options& options) {
     if (options.broken) throw std::runtime_error("no such dial");
@@ -116,6 +117,10 @@ class Dial final : public Module {
   }
   Outcome<> command(const Command& command) override {
     if (command.name == "text") return {};
+    if (command.name == "time") {
+      value_ = command.time;
+      return {};
+    }
     const double value = std::get<double>(command.value);
     if (command.name == "add") {
       value_ += value;
