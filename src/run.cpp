@@ -245,13 +245,16 @@ void print_latency(const Runner& runner) {
   row("end to end", runner.end_to_end().summary());
 }
 
-/// Schedules all commands, or says all that is wrong with them.
-void schedule_commands(const std::vector<std::string>& commands, const Plan& plan, Runner& runner) {
+/// Reads all commands before any module is made, or says all that is wrong with them.
+std::vector<ScheduledCommand> read_commands(const std::vector<std::string>& texts,
+                                            const Plan& plan) {
   Diagnostics diagnostics;
-  for (const std::string& command : commands)
-    if (auto parsed = parse_command(command, plan, "--command " + command, diagnostics))
-      runner.schedule(std::move(*parsed));
+  std::vector<ScheduledCommand> commands;
+  for (const std::string& text : texts)
+    if (auto command = parse_command(text, plan, "--command " + text, diagnostics))
+      commands.push_back(std::move(*command));
   if (!diagnostics.empty()) report_and_exit(diagnostics);
+  return commands;
 }
 
 /// Commands whose time did not come are no part of the run.
@@ -293,9 +296,10 @@ int run(const Arguments& arguments, Session& session) {
   const double period = read_period(arguments.period);
   const std::int64_t most_ticks = arguments.ticks.value_or(default_ticks);
   const Plan plan = session.read_graph(arguments.graph, arguments.sets);
-  Runner runner(plan, arguments.seed);
-  schedule_commands(arguments.commands, plan, runner);
+  const std::vector<ScheduledCommand> commands = read_commands(arguments.commands, plan);
   if (!arguments.profile.empty()) check_profile_file(arguments.profile);
+  Runner runner(plan, arguments.seed);
+  for (const ScheduledCommand& command : commands) runner.schedule(command);
   Agreement agreement(plan);
   std::vector<OutputSummary> summaries(plan.outputs.size());
   end_run_at_interrupt();
