@@ -28,10 +28,10 @@ void Constants::read(const Node& map, const std::string& prefix,
                      SourceOwners& owners, Diagnostics& diagnostics) {
   for (std::size_t i = 0; i < map.size(); ++i) {
     const std::size_t errors = diagnostics.size();
-    std::error_code no_file;  // as of a name that is too long
     const std::string& name = map.keys[i].text;
     const Node& value = map.values[i];
     const Node* path = value.is_map() && value.size() == 1 ? value.find("file") : nullptr;
+    std::error_code no_file;  // a name that is too long for one, say
     if (!is_name(name)) {
       diagnostics.add(
           map.keys[i].position,
@@ -42,7 +42,8 @@ void Constants::read(const Node& map, const std::string& prefix,
       refer(name, value, outer, diagnostics);
     } else if (path != nullptr && !path->is_scalar()) {
       diagnostics.add(path->position, "expected a path, got " + path->description());
-    } else if (path != nullptr && !std::filesystem::is_regular_file(directory / path->text, no_file)) {
+    } else if (path != nullptr &&
+               !std::filesystem::is_regular_file(directory / path->text, no_file)) {
       diagnostics.add(path->position,
                       fmt::format("there is no file '{}'", (directory / path->text).string()));
     } else if (path != nullptr) {
