@@ -141,14 +141,6 @@ network: {serial: [combine: [a, b], s]}
   EXPECT_EQ(plan.nodes[plan.find("s").value()].frame, "here");
 }
 
-TEST(PlanBuilder, AConstantsFileOfANameTooLongIsNoFile) {
-  const std::string name(300, 'x');
-  EXPECT_EQ(test::read_text("constants: {c: {file: " + name +
-                            "}}\nmodules: {a: {type: reading}}\nnetwork: a\n")
-                .errors,
-            "graph.yaml:1:23: there is no file './" + name + "'\n");
-}
-
 TEST(PlanBuilder, TimeIsOneNumberOrTypicalAndWorst) {
   const Plan plan = plan_of(R"(
 modules: {a: {type: reading, time: 2 ms}, f: {type: sine, time: {typical: 1 us, worst: 1 ms}}}
