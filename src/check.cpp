@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "framework/graph/correlation.h"
+#include "src/command_report.h"
 #include "src/estimate_json.h"
 #include "src/session.h"
 
@@ -34,6 +35,8 @@ void print_text(const Plan& plan) {
                node.frame.empty() ? "" : fmt::format(" in {}", node.frame));
   }
   for (const std::size_t output : plan.outputs) fmt::print("output: {}\n", plan.nodes[output].name);
+  for (const PlanCommand& command : plan.commands)
+    fmt::print("command: {}\n", command_text(command, plan));
   for (const std::string& note : correlation_notes(plan)) fmt::print("note: {}\n", note);
 }
 
@@ -47,9 +50,12 @@ void print_json(const Plan& plan) {
                      {"frame", node.frame}});
   Json outputs = Json::array();
   for (const std::size_t output : plan.outputs) outputs.push_back(plan.nodes[output].name);
+  Json commands = Json::array();
+  for (const PlanCommand& command : plan.commands) commands.push_back(command_json(command, plan));
   const Json plan_json = {{"ilss", plan.name},
                           {"modules", nodes},
                           {"outputs", outputs},
+                          {"commands", commands},
                           {"unknown_correlations", correlation_notes(plan)}};
   fmt::print("{}\n", json_text(plan_json));
 }

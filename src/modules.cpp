@@ -1,6 +1,7 @@
 // `ilss modules`: what module types there are, and all that is declared of one.
 #include <fmt/format.h>
 
+#include "src/command_report.h"
 #include "src/estimate_json.h"
 #include "src/session.h"
 
@@ -98,9 +99,10 @@ void print_type(const ModuleType& type) {
                    parameter.uncertain ? "; may be {value, std}" : "");
         if (!parameter.documentation.empty()) fmt::print("      {}\n", parameter.documentation);
       });
+  if (!type.commands.empty()) fmt::print("commands\n");
   for (const CommandDeclaration& command : type.commands)
-    fmt::print("command {}: {} ({})\n", command.name, command.documentation,
-               kind_text(command.value));
+    fmt::print("  {}: {}\n      {}\n", command.name, kind_text(command.value),
+               command.documentation);
   if (!type.faults.empty()) fmt::print("faults: {}\n", faults_text(type));
 }
 
@@ -118,8 +120,8 @@ void print_markdown(const ModuleType& type) {
              interface.frame.empty() ? "" : fmt::format(" in frame `{}`", interface.frame),
              preceded(": ", payload_text(*interface.output)));
   for (const CommandDeclaration& command : type.commands)
-    fmt::print("- command `{}`: {} ({})\n", command.name, command.documentation,
-               kind_text(command.value));
+    fmt::print("- command `{}` ({}): {}\n", command.name, kind_text(command.value),
+               command.documentation);
   if (!type.faults.empty()) fmt::print("- faults: {}\n", faults_text(type));
   if (!type.declarations.empty())
     fmt::print("\n| parameter | type | default | meaning |\n|---|---|---|---|\n");
@@ -174,6 +176,8 @@ Json type_json(const ModuleType& type) {
                                              {"uncertain", parameter.uncertain},
                                              {"documentation", parameter.documentation}});
                      });
+  Json commands = Json::array();
+  for (const CommandDeclaration& command : type.commands) commands.push_back(command_json(command));
   Json faults = Json::array();
   for (const FaultKind fault : type.faults) faults.push_back(fault_name(fault));
   return {{"name", type.name},
@@ -183,6 +187,7 @@ Json type_json(const ModuleType& type) {
           {"inputs", std::move(inputs)},
           {"output", output_json(interface)},
           {"parameters", std::move(parameters)},
+          {"commands", std::move(commands)},
           {"faults", std::move(faults)}};
 }
 

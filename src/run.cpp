@@ -13,6 +13,7 @@
 #include "framework/estimate/units.h"
 #include "framework/runtime/agreement.h"
 #include "framework/runtime/runner.h"
+#include "src/command_report.h"
 #include "src/estimate_json.h"
 #include "src/estimate_text.h"
 #include "src/session.h"
@@ -32,6 +33,7 @@ constexpr std::size_t most_outputs_shown = 4;
 struct Arguments {
   std::string graph;
   std::vector<std::string> sets;
+  std::vector<std::string> commands;
   std::optional<std::int64_t> ticks = {};
   std::string period = "100 ms";
   std::uint64_t seed = 1;
@@ -88,6 +90,8 @@ Json tick_json(const Runner& runner, double time, const std::vector<VerdictRepor
     modules[plan.nodes[i].name] = std::move(module);
   }
   json["modules"] = std::move(modules);
+  for (const GivenCommand& given : runner.commander().given())
+    json["commands"].push_back(given_command_json(given, plan));
   return json;
 }
 
@@ -153,6 +157,11 @@ void print_tick(const System& system, double time, const std::vector<VerdictRepo
   for (std::size_t o = 0; o < plan.outputs.size(); ++o)
     fmt::print("         {:<20} {}\n", plan.nodes[plan.outputs[o]].name,
                output_text(system, plan.outputs[o], verdicts[o].verdict));
+}
+
+void print_commands(const Runner& runner, double time) {
+  for (const GivenCommand& given : runner.commander().given())
+    fmt::print("{:>16.3f} s  {}\n", time, given_command_text(given, runner.system().plan()));
 }
 
 void observe_outputs(const System& system, const std::vector<VerdictReport>& verdicts,
@@ -236,6 +245,25 @@ void print_latency(const Runner& runner) {
   row("end to end", runner.end_to_end().summary());
 }
 
+/// Reads all commands before any module is made, or says all that is wrong with them.
+std::vector<ScheduledCommand> read_commands(const std::vector<std::string>& texts,
+                                            const Plan& plan) {
+  Diagnostics diagnostics;
+  std::vector<ScheduledCommand> commands;
+  for (const std::string& text : texts)
+    if (auto command = parse_command(text, plan, "--command " + text, diagnostics))
+      commands.push_back(std::move(*command));
+  if (!diagnostics.empty()) report_and_exit(diagnostics);
+  return commands;
+}
+
+/// Commands whose time did not come are no part of the run.
+void report_waiting(const Commander& commander) {
+  if (commander.waiting() != 0)
+    fmt::print(stderr, "ilss: the run ended before the time of {} command{}\n", commander.waiting(),
+               commander.waiting() == 1 ? "" : "s");
+}
+
 double read_period(const std::string& text) {
   const auto period = parse_quantity(text, "s");
   if (const auto* error = std::get_if<std::string>(&period))
@@ -268,8 +296,10 @@ int run(const Arguments& arguments, Session& session) {
   const double period = read_period(arguments.period);
   const std::int64_t most_ticks = arguments.ticks.value_or(default_ticks);
   const Plan plan = session.read_graph(arguments.graph, arguments.sets);
+  const std::vector<ScheduledCommand> commands = read_commands(arguments.commands, plan);
   if (!arguments.profile.empty()) check_profile_file(arguments.profile);
   Runner runner(plan, arguments.seed);
+  for (const ScheduledCommand& command : commands) runner.schedule(command);
   Agreement agreement(plan);
   std::vector<OutputSummary> summaries(plan.outputs.size());
   end_run_at_interrupt();
@@ -278,6 +308,7 @@ int run(const Arguments& arguments, Session& session) {
   for (; (most_ticks == 0 || tick < most_ticks) && interrupted == 0; ++tick) {
     const double time = static_cast<double>(tick) * period;
     runner.step(time);
+    if (!arguments.json && !arguments.quiet) print_commands(runner, time);
     ended = find_fault(runner.system(), FaultKind::end_of_data).has_value();
     if (ended) break;
     const std::vector<VerdictReport> verdicts = judge(runner.system());
@@ -300,8 +331,11 @@ int run(const Arguments& arguments, Session& session) {
     fmt::print(stderr,
                "ilss: stopped after {}; --ticks N goes on, --ticks 0 to the end of the data\n",
                ticks_text(tick));
+  report_waiting(runner.commander());
   if (!arguments.json) {
     fmt::print("\n{}{}\n", ticks_text(tick), ended ? ", to the end of the data" : "");
+    if (const std::uint64_t refused = runner.commander().refused(); refused != 0)
+      fmt::print("commands refused: {}\n", refused);
     print_outputs(runner, summaries);
     print_agreement(agreement, plan);
     print_latency(runner);
@@ -317,6 +351,10 @@ void add_run(CLI::App& app, Session& session) {
   CLI::App* verb = app.add_subcommand("run", "Run a system over its input");
   verb->add_option("GRAPH", arguments->graph, "Graph file")->required();
   add_set_option(*verb, arguments->sets);
+  verb->add_option("--command", arguments->commands,
+                   "Give a command of the system before the first tick at that time (default 0 s)")
+      ->type_name("NAME=VALUE[@TIME]")
+      ->allow_extra_args(false);
   verb->add_option("--ticks", arguments->ticks,
                    "At most so many ticks; 0: to the end of the data (default 1000)")
       ->transform(whole_number(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));

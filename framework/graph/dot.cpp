@@ -118,6 +118,16 @@ std::string flow_label(const PlanNode& node) {
   return label;
 }
 
+/// A driven command acts on later ticks: it does not order the nodes.
+std::string drive_text(const Plan& plan, const PlanCommand& command) {
+  const PlanNode& from = plan.nodes[command.driver->node];
+  const Component& component = from.interface.output->components[command.driver->component];
+  return fmt::format(
+      "  n{} -> n{} [label=<{}<br/><font color=\"#777777\">from {}</font>>, style=dashed, "
+      "constraint=false];\n",
+      command.driver->node, command.node, escaped(command.name), escaped(component.name));
+}
+
 }  // namespace
 
 std::string to_dot(const Plan& plan) {
@@ -137,6 +147,8 @@ std::string to_dot(const Plan& plan) {
       if (input.max_age) label += fmt::format("<br/>at most {:.4g} s old", *input.max_age);
       out += fmt::format("  n{} -> n{} [label=<{}>];\n", input.node, i, label);
     }
+  for (const PlanCommand& command : plan.commands)
+    if (command.driver) out += drive_text(plan, command);
   for (std::size_t o = 0; o < plan.outputs.size(); ++o) {
     const std::string name = plan.outputs.size() == 1 ? "output" : fmt::format("output {}", o + 1);
     out += fmt::format("  output{} [label={}, shape=plaintext, style=\"\"];\n", o, in_quotes(name));

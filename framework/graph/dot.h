@@ -9,7 +9,8 @@ namespace ilss {
 
 /// The plan as a DOT digraph: modules as boxes with name and type, coloured by kind; nested systems
 /// as frames around theirs; connections labelled with payload and frame; an arrow out of the
-/// picture for each output. The same plan gives the same text.
+/// picture for each output; a dashed one from what drives a command to the module that follows it.
+/// The same plan gives the same text.
 std::string to_dot(const Plan& plan);
 
 }  // namespace ilss

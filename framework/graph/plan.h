@@ -49,6 +49,20 @@ struct UnknownCorrelation {
   std::size_t origin = 0;  ///< a node whose errors both have
 };
 
+/// Where a driven command's value comes from: a component of a node's output.
+struct CommandDriver {
+  std::size_t node = 0;
+  std::size_t component = 0;
+};
+
+/// A command of the system, which one of its modules follows.
+struct PlanCommand {
+  std::string name;  ///< with the systems it stands in: "inner.look_at"
+  std::size_t node = 0;
+  const CommandDeclaration* declaration = nullptr;  ///< the module type's
+  std::optional<CommandDriver> driver = {};
+};
+
 /// Nodes in evaluation order: a node's inputs come before it.
 struct Plan {
   std::string name;
@@ -57,6 +71,7 @@ struct Plan {
   std::vector<std::size_t> outputs;  ///< nodes whose outputs are the system's, in order
   SourceOwners owners;               ///< the nodes first, then constants and parameters
   std::vector<UnknownCorrelation> unknown_correlations;
+  std::vector<PlanCommand> commands;  ///< in the order of the file; those of nested systems first
 
   std::optional<std::size_t> find(std::string_view node) const {
     for (std::size_t i = 0; i < nodes.size(); ++i)

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "framework/estimate/units.h"
+#include "framework/graph/commands.h"
 #include "framework/graph/constants.h"
 #include "framework/graph/correlation.h"
 #include "framework/graph/plan.h"
@@ -103,7 +104,10 @@ const Constants* constants_of(std::string_view parameter, const Constants& own,
 class PlanBuilder {
  public:
   PlanBuilder(const Registry& registry, Diagnostics& diagnostics)
-      : registry_(registry), diagnostics_(diagnostics), wiring_(nodes_, registry, diagnostics) {}
+      : registry_(registry),
+        diagnostics_(diagnostics),
+        wiring_(nodes_, registry, diagnostics),
+        commands_(nodes_, diagnostics) {}
 
   std::optional<Plan> build(const Node& graph, const std::filesystem::path& directory,
                             const std::vector<Override>& overrides) {
@@ -114,6 +118,7 @@ class PlanBuilder {
     const Instance system = read_system(graph, "", directory, placed);
     const std::vector<std::size_t> order = wiring_.evaluation_order();
     wiring_.check_connections(order);
+    commands_.check_drivers();
     if (diagnostics_.size() != errors) return std::nullopt;
     return finish(graph, order, system.outputs);
   }
@@ -151,6 +156,7 @@ class PlanBuilder {
   Diagnostics& diagnostics_;
   std::vector<PlanNode> nodes_;
   Wiring wiring_;
+  CommandReader commands_;
   SourceOwners owners_;  ///< of constants and parameters; node owners come first later
   std::vector<std::filesystem::path> open_files_;
   std::size_t systems_read_ = 0;
@@ -168,10 +174,10 @@ Instance PlanBuilder::read_system(const Node& graph, const std::string& prefix,
                                   const std::filesystem::path& directory,
                                   const std::vector<PlacedOverride>& overrides) {
   Instance unread{.counted = false};
-  static const std::vector<std::string> known = {"ilss", "description", "constants", "modules",
-                                                 "network"};
-  static const std::vector<std::string> later = {"commands", "tests",  "monitors",
-                                                 "taps",     "policy", "alternates"};
+  static const std::vector<std::string> known = {"ilss",    "description", "constants",
+                                                 "modules", "network",     "commands"};
+  static const std::vector<std::string> later = {"tests", "monitors", "taps", "policy",
+                                                 "alternates"};
   if (!graph.is_map()) {
     diagnostics_.add(graph.position,
                      "expected a graph: a map with the keys ilss, modules and "
@@ -235,6 +241,7 @@ Instance PlanBuilder::read_system(const Node& graph, const std::string& prefix,
     }
     scope[key.text] = read_module(key, modules->values[i], prefix, directory, constants, below);
   }
+  if (const Node* commands = graph.find("commands")) commands_.read(*commands, prefix, scope);
 
   const Node* network = graph.find("network");
   if (network == nullptr) {
@@ -509,6 +516,7 @@ std::optional<Plan> PlanBuilder::finish(const Node& graph, const std::vector<std
   }
   plan.owners.insert(plan.owners.end(), owners_.begin(), owners_.end());
   for (const std::size_t output : outputs) plan.outputs.push_back(place[output]);
+  plan.commands = commands_.finish(place);
   plan.unknown_correlations = find_unknown_correlations(plan);
   for (const UnknownCorrelation& unknown : plan.unknown_correlations)
     plan.nodes[unknown.at].correlation_unknown = true;

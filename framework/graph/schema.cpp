@@ -13,6 +13,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* number_pattern = R"(^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?)";
 constexpr const char* name_pattern = "^[^. /$]+$";
+constexpr const char* command_name_pattern = "^[^. /$=@]+$";
 
 Json reference(const std::string& definition) { return {{"$ref", "#/$defs/" + definition}}; }
 
@@ -196,6 +197,15 @@ Json constant_schema() {
   return one_of_these({quantity, one, vector, file});
 }
 
+Json command_schema() {
+  const Json to = {{"type", "string"},
+                   {"pattern", R"(^[^.]+\..+$)"},
+                   {"description", "MODULE.COMMAND: the module that follows it"}};
+  const Json from = {{"type", Json::array({"string", "number"})},
+                     {"description", "MODULE.COMPONENT: sent after every tick that gives it"}};
+  return one_of_these({to, map_of({{"to", to}, {"from", from}}, {"to"})});
+}
+
 }  // namespace
 
 std::string graph_schema(const Registry& registry) {
@@ -214,7 +224,12 @@ std::string graph_schema(const Registry& registry) {
          {"description", "named instances; each is evaluated at most once a tick"},
          {"propertyNames", named},
          {"additionalProperties", reference("module")}}},
-       {"network", reference("expression")}},
+       {"network", reference("expression")},
+       {"commands",
+        {{"type", "object"},
+         {"description", "the system's commands, and the modules' that they are"},
+         {"propertyNames", {{"pattern", command_name_pattern}}},
+         {"additionalProperties", reference("command")}}}},
       {"modules", "network"});
   Json result = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
                  {"title", "ilss graph"}};
@@ -222,6 +237,7 @@ std::string graph_schema(const Registry& registry) {
   result["$defs"] = {{"module", module_schema(registry)},
                      {"expression", expression_schema()},
                      {"constant", constant_schema()},
+                     {"command", command_schema()},
                      {"time", time_schema()}};
   return result.dump(2);
 }

@@ -18,6 +18,7 @@ class BrokenModule final : public Module {
   Outcome<> evaluate(const Evaluation&, Output&) override {
     return Fault{FaultKind::internal, reason_};
   }
+  Outcome<> command(const Command&) override { return Fault{FaultKind::internal, reason_}; }
 
  private:
   std::string reason_;

@@ -31,10 +31,16 @@ struct Evaluation {
   RandomBits random() const { return RandomBits(seed); }
 };
 
-/// An instruction from the top: a declared name and a value (quantities in SI units).
+/// A command's value as declared: a quantity (in the SI unit) or number is a double, a text or
+/// choice a string.
+using CommandValue = std::variant<std::monostate, double, std::int64_t, bool, std::string>;
+
+/// An instruction from the top: a declared name, its value, and when it is given (s since the
+/// start): from the last tick's time to the next one's, so that what moves can start in between.
 struct Command {
   std::string name;
-  std::variant<std::monostate, double, std::int64_t, bool, std::string> value;
+  CommandValue value;
+  double time = 0;
 };
 
 /// What an embedded test found.
@@ -71,7 +77,9 @@ class Module {
     return evaluate(evaluation, output);
   }
 
-  /// Follows a declared command between ticks, or refuses it with a reason.
+  /// Follows a declared command between ticks, or refuses it: with the fault `refused` and a
+  /// reason, and then nothing has changed. The framework checks the value's kind and unit, not its
+  /// range.
   virtual Outcome<> command(const Command& command) {
     return Fault{FaultKind::refused, "the module knows no command '" + command.name + "'"};
   }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/module/command_declaration.h"
 #include "framework/module/module.h"
 #include "framework/module/parameters.h"
 
@@ -32,13 +33,6 @@ struct Interface {
   std::string frame = {};
   std::optional<std::size_t> frame_of_input = {};
   bool draws_readings = false;  ///< a simulated sensor: its noise follows from the tick's seed
-};
-
-/// A command that a module follows: its name and its one value, declared like a parameter.
-struct CommandDeclaration {
-  std::string name;
-  ParameterDeclaration value;
-  std::string documentation;
 };
 
 /// A module's settings as read from a graph: its options and where relative paths start.

@@ -26,6 +26,8 @@ ParameterDeclaration any_quantities() {
 void Registry::add(ModuleType type) {
   if (types_.contains(type.name))
     throw std::invalid_argument(fmt::format("module type '{}' is registered twice", type.name));
+  if (const std::string wrong = mistake_in(type.commands); !wrong.empty())
+    throw std::invalid_argument(fmt::format("module type '{}': {}", type.name, wrong));
   const Interface interface = type.interface(Settings{});
   for (const InputDeclaration& input : interface.inputs) add_payload(*input.payload);
   add_payload(*interface.output);

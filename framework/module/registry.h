@@ -22,8 +22,8 @@ class Registry {
     else
       add(function_type<M>());
   }
-  /// @throws std::invalid_argument if the name is taken, or a payload of one of the type's names
-  ///         has other components.
+  /// @throws std::invalid_argument if the name is taken, a payload of one of the type's names has
+  ///         other components, or its commands cannot be declared so.
   void add(ModuleType type);
 
   const ModuleType* find(std::string_view name) const;

@@ -18,6 +18,7 @@ struct ClockReader {
 
 Runner::Runner(const Plan& plan, std::uint64_t seed, Folding folding)
     : system_(plan, seed, folding),
+      commander_(plan),
       clock_(CycleClock::instance()),
       readings_(plan.nodes.size() + 1),
       compute_ns_(plan.nodes.size()),
@@ -25,6 +26,7 @@ Runner::Runner(const Plan& plan, std::uint64_t seed, Folding folding)
       outcomes_(plan.nodes.size()) {}
 
 void Runner::step(double time) {
+  commander_.give(system_, time);
   ClockReader reader{clock_, readings_.data()};
   system_.evaluate(time, reader);
   for (std::size_t i = 0; i < system_.size(); ++i) record(i);

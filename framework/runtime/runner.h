@@ -7,6 +7,7 @@
 
 #include "framework/graph/profile.h"
 #include "framework/graph/system.h"
+#include "framework/runtime/commander.h"
 #include "framework/runtime/cycle_clock.h"
 #include "framework/runtime/latency_histogram.h"
 
@@ -32,14 +33,21 @@ struct OutcomeCounts {
 
 /// Runs a plan tick by tick in the caller's thread, and measures it. The clock is read once at a
 /// tick's start and once after each module, so a module's time holds what it takes to get at its
-/// inputs, and all modules' times add up to the tick's. No memory is allocated from tick to tick.
+/// inputs, and all modules' times add up to the tick's. Commands are given before the tick starts
+/// and are not in its time. No memory is allocated from tick to tick.
 class Runner {
  public:
   /// The plan must outlive the runner. Random numbers follow from `seed`, as System says.
   explicit Runner(const Plan& plan, std::uint64_t seed = 0, Folding folding = Folding::per_owner);
 
-  /// Evaluates the next tick at `time` (s since the start; must not run backwards).
+  /// Gives the modules the commands that are due, as Commander says, then evaluates the next tick
+  /// at `time` (s since the start; must not run backwards).
   void step(double time);
+
+  /// Takes a command from outside, to be given when its time has come.
+  void schedule(ScheduledCommand command) { commander_.schedule(std::move(command)); }
+  /// What commands came to, `given()` before the last tick.
+  const Commander& commander() const { return commander_; }
 
   System& system() { return system_; }
   const System& system() const { return system_; }
@@ -65,6 +73,7 @@ class Runner {
   void record(std::size_t node);
 
   System system_;
+  Commander commander_;
   const CycleClock& clock_;
   std::vector<std::uint64_t> readings_;  ///< of the clock: before the first module, after each
   std::vector<std::uint64_t> compute_ns_;

@@ -39,7 +39,7 @@ TEST_P(GraphErrors, AreAllReportedWithTheirPlaces) {
 
 INSTANTIATE_TEST_SUITE_P(Files, GraphErrors,
                          testing::Values("many.yaml", "unsound_parts.yaml", "operators.yaml",
-                                         "constants.yaml", "structure.yaml"));
+                                         "constants.yaml", "structure.yaml", "commands.yaml"));
 
 TEST(GraphErrors, OfManyKindsStandInOneReport) {
   std::istringstream lines(messages_of("many.yaml"));

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "framework/graph/scheduled_command.h"
 #include "framework/graph/value_reader.h"
 #include "tests/framework/graph/read_graph.h"
 
@@ -47,6 +48,18 @@ network:
     - t
     - serial: [combine: [p, p], m]
     - serial: [combine: [a, a, a], z]
+)",
+      R"(ilss: commanded
+modules:
+  head: {type: head}
+  other: {type: head}
+  turn: {type: turn_reading, angle: 3 deg}
+network: {combine: [head, other, turn]}
+commands:
+  look: head.rotate_to
+  follow: {to: other.rotate_to, from: turn.angle}
+  zoom: {to: other.zoom, from: head.ratio}
+  mode: {to: head.mode}
 )"};
   for (const char* folder : {"tests/data/graph_errors", "graphs"}) {
     const std::filesystem::path path = std::filesystem::path(ILSS_SOURCE_DIR) / folder;
@@ -212,14 +225,16 @@ TEST(MutatedGraphs, GiveAPlanOrMessages) {
   constexpr std::uint64_t first_seed = 1;
   constexpr int count = 20000;
   const std::vector<std::string> texts = graphs();
-  for (std::size_t right = 0; right < 2; ++right)
+  constexpr std::size_t right_ones = 3;
+  for (std::size_t right = 0; right < right_ones; ++right)
     ASSERT_EQ(test::read_text(texts[right]).errors, "");
   int plans = 0;
   for (std::uint64_t seed = first_seed; seed < first_seed + count; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     RandomBits random(seed);
-    // Half of them start from the two that are right, so that plans come of some.
-    const std::size_t start = draw(random, 2) == 0 ? draw(random, 2) : draw(random, texts.size());
+    // Half of them start from those that are right, so that plans come of some.
+    const std::size_t start =
+        draw(random, 2) == 0 ? draw(random, right_ones) : draw(random, texts.size());
     const std::string text = mutated(texts[start], random);
     Diagnostics diagnostics;
     std::optional<Plan> plan;
@@ -253,6 +268,9 @@ TEST(MutatedValues, GiveAValueOrMessages) {
       "{a: $k, b: 0}"};
   const std::array<const PayloadDescriptor*, 3> payloads = {
       &descriptor<test::Scalar>(), &descriptor<test::Pair>(), &descriptor<test::Turn>()};
+  const Plan commanded = test::plan_of(
+      "modules: {h: {type: head}}\nnetwork: h\n"
+      "commands: {q: h.rotate_to, n: h.zoom, i: h.sweeps, b: h.light, t: h.label, c: h.mode}");
   int values = 0;
   for (std::uint64_t seed = first_seed; seed < first_seed + count; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -267,6 +285,9 @@ TEST(MutatedValues, GiveAValueOrMessages) {
         given = read_estimate(node, *payload, "name", owners, diagnostics);
         (void)parse_override("a.b=" + text, "--set", diagnostics);
         (void)parse_override(text, "--set", diagnostics);
+        for (const PlanCommand& command : commanded.commands)
+          (void)parse_command(command.name + "=" + text, commanded, "--command", diagnostics);
+        (void)parse_command(text, commanded, "--command", diagnostics);
       }) << text;
       ASSERT_TRUE(given || !diagnostics.empty()) << text;
       if (!given) continue;

@@ -70,8 +70,12 @@ modules:
   g: {type: gain, gain: $k, offset: 0, time: {typical: 1 ms, worst: 2 ms}}
   h: {type: gain, gain: 2.5}
   s: {type: subtract}
+  head: {type: head}
 network:
-  serial: [combine: {of: [{serial: [a, g]}, {serial: [b, h]}], align: latest, max_age: 1 s}, s]
+  combine:
+    - serial: [combine: {of: [{serial: [a, g]}, {serial: [b, h]}], align: latest, max_age: 1 s}, s]
+    - head
+commands: {look: head.rotate_to, turn: {to: head.rotate_at}, zoom: {to: head.zoom, from: head.ratio}}
 )";
   test::plan_of(text);
   folder_.write("graph.yaml", text);
@@ -86,6 +90,12 @@ TEST_F(SchemaByPython, RefusesMistakes) {
         "{type: {ils: other.yaml}}", "{type: reading, mount: 3 mm}"}) {
     folder_.write("graph.yaml", std::string("modules: {a: ") + module + "}\nnetwork: a\n");
     EXPECT_FALSE(accepts(schema, folder_.path() / "graph.yaml")) << module;
+  }
+  for (const char* commands :
+       {"[a]", "{l: a}", "{l: {from: a.x}}", "{l: {to: a.b, form: a.x}}", "{l.m: a.b}"}) {
+    folder_.write("graph.yaml", std::string("modules: {a: {type: reading}}\nnetwork: a\n") +
+                                    "commands: " + commands + "\n");
+    EXPECT_FALSE(accepts(schema, folder_.path() / "graph.yaml")) << commands;
   }
 }
 

@@ -296,6 +296,38 @@ class TurnReading final : public Module {
   }
 };
 
+/// Stands at the angle that it was last told, at most a right angle either way.
+class Head final : public Module {
+ public:
+  static constexpr std::string_view name = "head";
+  static constexpr std::string_view description = "stands where it is told";
+  static constexpr ModuleKind kind = ModuleKind::sensor;
+  static Interface interface() { return {{}, &descriptor<Turn>(), "here", {}}; }
+  static std::vector<CommandDeclaration> commands() {
+    return {quantity_command("rotate_to", "rad", "turns to this angle"),
+            quantity_command("rotate_at", "rad/s", "turns at this rate"),
+            number_command("zoom", "how near to look"),
+            integer_command("sweeps", "how often to sweep"),
+            boolean_command("light", "whether to light up"),
+            text_command("label", "what to call it"),
+            choice_command("mode", {"near", "far"}, "how far to look")};
+  }
+  Outcome<> evaluate(const Evaluation&, Output& output) override {
+    assign<Turn>(output.estimate, {angle_, 1.0, {}});
+    return {};
+  }
+  Outcome<> command(const Command& command) override {
+    if (command.name != "rotate_to") return Fault{FaultKind::refused, "not now"};
+    const double angle = std::get<double>(command.value);
+    if (std::abs(angle) > std::acos(0.0)) return Fault{FaultKind::refused, "too far"};
+    angle_ = angle;
+    return {};
+  }
+
+ private:
+  double angle_ = 0;
+};
+
 inline const Registry& registry() {
   static const Registry* const all = [] {
     auto* made = new Registry;
@@ -314,6 +346,7 @@ inline const Registry& registry() {
     made->add<Mix>();
     made->add<Collapse>();
     made->add<Carry>();
+    made->add<Head>();
     return made;
   }();
   return *all;

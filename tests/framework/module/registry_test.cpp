@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 namespace ilss {
 namespace {
 
@@ -79,7 +81,7 @@ class Sensor : public Module {
   int rows_;
 };
 
-std::string refusal(Registry& registry, void (*add)(Registry&)) {
+std::string refusal(Registry& registry, const std::function<void(Registry&)>& add) {
   try {
     add(registry);
   } catch (const std::invalid_argument& error) {
@@ -117,6 +119,30 @@ TEST(Registry, RefusesAPayloadOfOtherComponentsUnderAKnownName) {
   EXPECT_EQ(refusal(registry, [](Registry& r) { r.add<OtherCircular>(); }), message);
   EXPECT_EQ(registry.find("other"), nullptr);
   EXPECT_EQ(refusal(registry, [](Registry& r) { r.add<OtherMetres>(); }), "accepted");
+}
+
+/// The type of a sensor that declares these commands.
+ModuleType commanded(std::vector<CommandDeclaration> commands) {
+  ModuleType type = module_type<Sensor>();
+  type.commands = std::move(commands);
+  return type;
+}
+
+TEST(Registry, RefusesCommandsThatNoGraphCouldGive) {
+  const auto answer = [](const std::vector<CommandDeclaration>& commands) {
+    Registry registry;
+    return refusal(registry, [&](Registry& r) { r.add(commanded(commands)); });
+  };
+  EXPECT_EQ(answer({quantity_command("zoom", "rad", ""), text_command("label", "")}), "accepted");
+  EXPECT_EQ(answer({number_command("a.b", "")}),
+            "module type 'sensor': 'a.b' cannot name a command");
+  EXPECT_EQ(answer({number_command("zoom", ""), text_command("zoom", "")}),
+            "module type 'sensor': command 'zoom' is declared twice");
+  EXPECT_EQ(answer({quantity_command("zoom", "", "")}),
+            "module type 'sensor': command 'zoom' takes a quantity without a unit");
+  CommandDeclaration list = number_command("zoom", "");
+  list.value.kind = ParameterDeclaration::Kind::list;
+  EXPECT_EQ(answer({list}), "module type 'sensor': command 'zoom' cannot take a list");
 }
 
 TEST(Registry, MakesModulesFromTheirOptions) {

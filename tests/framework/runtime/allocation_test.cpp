@@ -77,6 +77,16 @@ TEST(Allocation, NoneInTheSteadyStateOfEightSourcesFoldedOrNot) {
     EXPECT_EQ(allocations_of(eight_sources, folding), 0U) << static_cast<int>(folding);
 }
 
+TEST(Allocation, NoneInTheSteadyStateOfALoopThatACommandCloses) {
+  SKIP_UNLESS_ALLOCATIONS_ARE_COUNTED();
+  EXPECT_EQ(allocations_of("modules: {dial: {type: dial}, next: {type: increment, step: 0.001}}\n"
+                           "network: {serial: [dial, next]}\n"
+                           "commands: {a_name_that_is_too_long_to_be_held_within_a_string: "
+                           "{to: dial.set, from: next.value}}\n",
+                           Folding::per_owner),
+            0U);
+}
+
 TEST(Allocation, FoldingEightSourcesTogetherLeavesOneRandomColumnATickOfTheSameVariance) {
   const Plan plan = plan_of(eight_sources);
   System folded(plan, 1, Folding::all);

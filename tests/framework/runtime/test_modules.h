@@ -91,6 +91,51 @@ class Thrower final : public Module {
   bool odd_;
 };
 
+/// Gives the number that commands made: set, added to or left by a text. Refuses to be set below
+/// zero, and throws above 999.
+class Dial final : public Module {
+ public:
+  static constexpr std::string_view name = "dial";
+  static constexpr std::string_view description = "Gives the number that it was told";
+  static constexpr ModuleKind kind = ModuleKind::sensor;
+  struct Options {
+    bool broken = false;
+    void declare(OptionVisitor& visit) { visit("broken", broken, "Throw in the constructor"); }
+  };
+  static Interface interface() { return {{}, &descriptor<Number>(), "robot", {}}; }
+  static std::vector<CommandDeclaration> commands() {
+    return {number_command("set", "sets the number"), number_command("add", "adds to the number"),
+            text_command("text", "changes nothing"),
+            number_command("time", "sets the number to the time of the command")};
+  }
+  explicit Dial(const Options& options) {
+    if (options.broken) throw std::runtime_error("no such dial");
+  }
+  Outcome<> evaluate(const Evaluation&, Output& output) override {
+    assign<Number>(output.estimate, {value_});
+    return {};
+  }
+  Outcome<> command(const Command& command) override {
+    if (command.name == "text") return {};
+    if (command.name == "time") {
+      value_ = command.time;
+      return {};
+    }
+    const double value = std::get<double>(command.value);
+    if (command.name == "add") {
+      value_ += value;
+      return {};
+    }
+    if (value > 999) throw std::runtime_error("stuck");
+    if (value < 0) return Fault{FaultKind::refused, "below zero"};
+    value_ = value;
+    return {};
+  }
+
+ private:
+  double value_ = 0;
+};
+
 struct Increment {
   static constexpr std::string_view name = "increment";
   static constexpr std::string_view description = "Adds a step";
@@ -148,6 +193,7 @@ inline const Registry& registry() {
     Registry modules;
     modules.add<Counter>();
     modules.add<Thrower>();
+    modules.add<Dial>();
     modules.add<Increment>();
     modules.add<Subtract>();
     modules.add<Sum>();
