@@ -12,12 +12,6 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-CommandDeclaration angle_command(std::string name, std::string unit, std::string documentation) {
-  return {std::move(name),
-          {.name = "value", .kind = ParameterDeclaration::Kind::quantity, .unit = std::move(unit)},
-          std::move(documentation)};
-}
-
 /// `pose` seen from `base`: x to the right, z forward, heading to the left.
 struct RelativePose {
   double x, z, heading;
@@ -32,8 +26,8 @@ struct RelativePose {
 }  // namespace
 
 std::vector<CommandDeclaration> LepSensor::commands() {
-  return {angle_command("rotate_to", "rad", "turns the head to an angle, positive to the left"),
-          angle_command("rotate_at", "rad/s", "turns the head at a rate, positive to the left")};
+  return {quantity_command("rotate_to", "rad", "turns the head to an angle, positive to the left"),
+          quantity_command("rotate_at", "rad/s", "turns the head at a rate, positive to the left")};
 }
 
 void LepSensor::Options::declare(OptionVisitor& visit) {
@@ -79,7 +73,6 @@ LepSensor::LepSensor(const Options& options)
 
 void LepSensor::reset() {
   head_ = HeadMotion(options_.drive, options_.head_angle);
-  now_ = 0;
   memory_ = {};
 }
 
@@ -92,7 +85,7 @@ Outcome<> LepSensor::command(const Command& command) {
       return Fault{FaultKind::refused,
                    fmt::format("{:.6g} deg is beyond the head's stops at ±{:.6g} deg",
                                *value / degree, options_.drive.stop / degree)};
-    head_.turn_to(*value, now_);
+    head_.turn_to(*value, command.time);
     return {};
   }
   if (command.name == "rotate_at") {
@@ -100,7 +93,7 @@ Outcome<> LepSensor::command(const Command& command) {
       return Fault{FaultKind::refused,
                    fmt::format("{:.6g} deg/s is faster than the drive's {:.6g} deg/s",
                                *value / degree, options_.drive.fastest / degree)};
-    head_.turn_at(*value, now_);
+    head_.turn_at(*value, command.time);
     return {};
   }
   return Module::command(command);
@@ -167,7 +160,6 @@ Outcome<> LepSensor::scan(const Evaluation& evaluation, std::int64_t last, doubl
 
 Outcome<> LepSensor::evaluate(const Evaluation& evaluation, Output& output) {
   RandomBits random = evaluation.random();
-  now_ = evaluation.time;
   if (evaluation.tick == 0) memory_.noise = draw_normal(random);
   const std::int64_t last = (evaluation.tick + 1) * options_.readings - 1;
   return scan(

@@ -112,7 +112,6 @@ class LepSensor final : public Module {
   Options options_;
   HeadMotion head_;
   double correlation_ = 0;  ///< of one reading's noise and the next one's
-  double now_ = 0;          ///< time of the last tick
   Memory memory_ = {};
 };
 

@@ -60,7 +60,7 @@ struct Pillar {
 struct Scene {
   std::string description;
   std::vector<Wall> walls;
-  std::vector<Pillar> pillars;
+  std::vector<Pillar> pillars = {};
   void declare(OptionVisitor& visit);
 };
 
