@@ -15,6 +15,7 @@
 #include "sensors/lep/lep_sensor.h"
 #include "sensors/lep/lep_triangulation.h"
 #include "sensors/range/ekf_line_extractor.h"
+#include "sensors/range/fixate.h"
 #include "sensors/range/line_extractor.h"
 #include "sensors/range/range_readings.h"
 #include "sensors/range/wall_from_segments.h"
@@ -32,6 +33,7 @@ void register_sensors(Registry& registry) {
   registry.add<ConsistencyModule>();
   registry.add<CovarianceIntersection>();
   registry.add<EkfLineExtractor>();
+  registry.add<Fixate>();
   registry.add<Fuse>();
   registry.add(expression_type());
   registry.add<LepRanging>();
