@@ -204,7 +204,7 @@ void print_head() {
 }
 
 void print(const std::string& name, const Tally& t, std::size_t surfaces) {
-  const double n = static_cast<double>(t.scans);
+  const auto n = static_cast<double>(t.scans);
   const auto ratio = [&](int i) {
     return t.batch_square[i] == 0 ? std::string("-")
                                   : fmt::format("{:.2f}", t.square[i] / t.batch_square[i]);
@@ -268,6 +268,6 @@ int main(int argc, char** argv) {
   }
   fmt::print("\nekf_line_extractor:\n\n");
   print_head();
-  for (const std::size_t edge : {0, 1}) run(all[edge], 0, false, scans, filters());
+  for (const std::size_t edge : {0U, 1U}) run(all[edge], 0, false, scans, filters());
   run(all[1], turning, false, scans, filters());
 }

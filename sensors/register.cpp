@@ -10,6 +10,8 @@
 #include "sensors/fusion/consistency.h"
 #include "sensors/fusion/covariance_intersection.h"
 #include "sensors/fusion/fuse.h"
+#include "sensors/laser/laser_log.h"
+#include "sensors/laser/laser_ranging.h"
 #include "sensors/lep/lep_detector.h"
 #include "sensors/lep/lep_ranging.h"
 #include "sensors/lep/lep_sensor.h"
@@ -36,6 +38,8 @@ void register_sensors(Registry& registry) {
   registry.add<Fixate>();
   registry.add<Fuse>();
   registry.add(expression_type());
+  registry.add<LaserLog>();
+  registry.add<LaserRanging>();
   registry.add<LepRanging>();
   registry.add<LepSensor>();
   registry.add<LineExtractor>();
