@@ -163,8 +163,10 @@ Outcome<> LepSensor::evaluate(const Evaluation& evaluation, Output& output) {
   RandomBits random = evaluation.random();
   if (evaluation.tick == 0) memory_.noise = draw_normal(random);
   const std::int64_t last = (evaluation.tick + 1) * options_.readings - 1;
-  return scan(
+  Outcome<> outcome = scan(
       evaluation, last, evaluation.time, memory_, [&] { return draw_normal(random); }, output);
+  head_.forget_before(evaluation.time);
+  return outcome;
 }
 
 Outcome<> LepSensor::expect(const Evaluation& evaluation, const Output* operating_point,

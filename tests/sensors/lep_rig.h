@@ -65,16 +65,24 @@ struct LepRig {
     return output;
   }
 
+  /// A tick of a sensor: the last reading is taken at the tick's time.
+  Outcome<> take(LepSensor& sensor, std::int64_t tick, std::uint64_t seed, Output& output) const {
+    const double period = static_cast<double>(options.readings) / options.reading_rate;
+    output.estimate = Estimate(descriptor<LepScan>(), "lep");
+    const Evaluation evaluation{.tick = tick,
+                                .time = period * static_cast<double>(tick + 1),
+                                .seed = derive_seed(seed, static_cast<std::uint64_t>(tick)),
+                                .parameters = sensor_parameters,
+                                .inputs = {}};
+    return sensor.evaluate(evaluation, output);
+  }
+
   /// The image positions of one scan; no samples where there is no reading.
   Output images(std::uint64_t seed) const {
     LepSensor sensor(options);
     if (head_rate != 0) (void)sensor.command({"rotate_at", head_rate});
     Output output;
-    output.estimate = Estimate(descriptor<LepScan>(), "lep");
-    const double end = static_cast<double>(options.readings) / options.reading_rate;
-    const Evaluation evaluation{
-        .tick = 0, .time = end, .seed = seed, .parameters = sensor_parameters, .inputs = {}};
-    if (!sensor.evaluate(evaluation, output)) output.samples.values.clear();
+    if (!take(sensor, 0, seed, output)) output.samples.values.clear();
     return output;
   }
 
