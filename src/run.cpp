@@ -17,6 +17,7 @@
 #include "src/estimate_json.h"
 #include "src/estimate_text.h"
 #include "src/session.h"
+#include "src/set_text.h"
 
 namespace ilss {
 namespace {
@@ -50,6 +51,7 @@ struct OutputSummary {
   std::uint64_t outputs = 0;
   VerdictCounts verdicts = {};
   std::vector<double> variance_sum;
+  SetSummary elements = {};  ///< of a set
 };
 
 /// Leaves the run after the tick at the first Ctrl-C; the second ends the command, so that a run
@@ -115,16 +117,27 @@ std::string output_text(const System& system, std::size_t node, Verdict verdict)
                        state.outcome.fault().message);
   if (!state.outcome.has_output()) return "pending";
   const Estimate& estimate = state.output.estimate;
-  std::string text;
-  for (std::size_t i = 0; i < estimate.dimension(); ++i) {
-    const Component& component = estimate.type->components[i];
-    text += fmt::format(
-        "{}{} {}", i == 0 ? "" : " ", component.name,
-        quantity_text(estimate.value[i], estimate.lineage.standard_deviation(i), component.unit));
+  std::string text = samples_text(state.output);
+  if (has_parts(*estimate.type)) {
+    text += (text.empty() ? "" : "  ") + component_line(estimate);
+  } else {
+    for (std::size_t i = 0; i < estimate.dimension(); ++i) {
+      const Component& component = estimate.type->components[i];
+      text += fmt::format(
+          "{}{} {}", i == 0 ? "" : " ", component.name,
+          quantity_text(estimate.value[i], estimate.lineage.standard_deviation(i), component.unit));
+    }
   }
   if (verdict != Verdict::linear_ok)
     text += fmt::format("  {} {}", verdict == Verdict::invalid ? '!' : '~', verdict_name(verdict));
   return text;
+}
+
+/// The elements of an output that is a set, below its line.
+void print_elements(const System& system, std::size_t node, const std::string& indent) {
+  const NodeState& state = system.node(node);
+  if (state.outcome.has_output() && !state.output.estimate.type->element.empty())
+    fmt::print("{}", elements_text(state.output.elements, indent));
 }
 
 /// "22 of 24 outputs (3 second_order)".
@@ -147,6 +160,7 @@ void print_tick(const System& system, double time, const std::vector<VerdictRepo
   const std::string when = fmt::format("{:>6} {:>9.3f} s", system.ticks() - 1, time);
   if (plan.outputs.size() == 1) {
     fmt::print("{}  {}\n", when, output_text(system, plan.outputs[0], verdicts[0].verdict));
+    print_elements(system, plan.outputs[0], std::string(20, ' '));
     return;
   }
   if (plan.outputs.size() > most_outputs_shown) {
@@ -154,9 +168,11 @@ void print_tick(const System& system, double time, const std::vector<VerdictRepo
     return;
   }
   fmt::print("{}\n", when);
-  for (std::size_t o = 0; o < plan.outputs.size(); ++o)
+  for (std::size_t o = 0; o < plan.outputs.size(); ++o) {
     fmt::print("         {:<20} {}\n", plan.nodes[plan.outputs[o]].name,
                output_text(system, plan.outputs[o], verdicts[o].verdict));
+    print_elements(system, plan.outputs[o], std::string(30, ' '));
+  }
 }
 
 void print_commands(const Runner& runner, double time) {
@@ -174,6 +190,8 @@ void observe_outputs(const System& system, const std::vector<VerdictReport>& ver
     summaries[o].variance_sum.resize(state.output.estimate.dimension(), 0.0);
     for (std::size_t i = 0; i < summaries[o].variance_sum.size(); ++i)
       summaries[o].variance_sum[i] += state.output.estimate.lineage.variance(i);
+    if (!state.output.estimate.type->element.empty())
+      summaries[o].elements.add(state.output.elements);
   }
 }
 
@@ -189,23 +207,36 @@ std::string fault_counts_text(const OutcomeCounts& counts) {
   return text.empty() ? "-" : text;
 }
 
+/// "x 1.2 mm, phi 0.3 deg": root mean squares; of samples and sets, what is exact is left out.
+std::string stated_text(const OutputSummary& summary, const PayloadDescriptor& payload) {
+  std::string stated;
+  for (std::size_t i = 0; i < summary.variance_sum.size(); ++i) {
+    if (has_parts(payload) && summary.variance_sum[i] <= 0) continue;
+    const Component& component = payload.components[i];
+    stated += fmt::format(
+        "{}{} {}", stated.empty() ? "" : ", ", component.name,
+        quantity_text(std::sqrt(summary.variance_sum[i] / static_cast<double>(summary.outputs)),
+                      component.unit));
+  }
+  const std::string not_linear = verdict_counts_text(summary.verdicts);
+  if (!not_linear.empty()) stated += fmt::format("   ({})", not_linear);
+  return stated.empty() && has_parts(payload) ? "-" : stated;
+}
+
 void print_outputs(const Runner& runner, const std::vector<OutputSummary>& summaries) {
   const Plan& plan = runner.system().plan();
+  const auto row = [](const std::string& name, std::uint64_t count, const std::string& faults,
+                      const std::string& stated) {
+    fmt::print("{:<20} {:>8}  {:<40} {}\n", name, count, faults, stated);
+  };
   fmt::print("\n{:<20} {:>8}  {:<40} stated std (root mean square)\n", "output", "outputs",
              "faults");
   for (std::size_t o = 0; o < summaries.size(); ++o) {
     const std::size_t node = plan.outputs[o];
-    const auto& components = plan.nodes[node].interface.output->components;
-    std::string stated;
-    for (std::size_t i = 0; i < summaries[o].variance_sum.size(); ++i)
-      stated += fmt::format("{}{} {}", i == 0 ? "" : ", ", components[i].name,
-                            quantity_text(std::sqrt(summaries[o].variance_sum[i] /
-                                                    static_cast<double>(summaries[o].outputs)),
-                                          components[i].unit));
-    const std::string not_linear = verdict_counts_text(summaries[o].verdicts);
-    if (!not_linear.empty()) stated += fmt::format("   ({})", not_linear);
-    fmt::print("{:<20} {:>8}  {:<40} {}\n", plan.nodes[node].name, summaries[o].outputs,
-               fault_counts_text(runner.outcomes(node)), stated);
+    row(plan.nodes[node].name, summaries[o].outputs, fault_counts_text(runner.outcomes(node)),
+        stated_text(summaries[o], *plan.nodes[node].interface.output));
+    for (const SetSummary::Entry& entry : summaries[o].elements.entries())
+      row("  " + entry.type->name, entry.count, "", summary_text(entry, summaries[o].outputs));
   }
 }
 
