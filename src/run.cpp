@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 
@@ -16,6 +17,8 @@
 #include "src/command_report.h"
 #include "src/estimate_json.h"
 #include "src/estimate_text.h"
+#include "src/picture.h"
+#include "src/picture_svg.h"
 #include "src/session.h"
 #include "src/set_text.h"
 
@@ -39,6 +42,8 @@ struct Arguments {
   std::string period = "100 ms";
   std::uint64_t seed = 1;
   std::string profile;
+  std::string picture;
+  double picture_scale = 1;
   bool json = false;
   bool quiet = false;
 };
@@ -305,17 +310,44 @@ double read_period(const std::string& text) {
   return std::get<double>(period);
 }
 
-/// Finds out before a run whether its profile can be written, and leaves a file as it is.
-void check_profile_file(const std::string& path) {
+/// Finds out before a run whether an option's file can be written, and leaves all as it is.
+void check_file(const std::string& option, const std::string& path) {
+  std::error_code ignored;
+  const bool is_new = !std::filesystem::exists(path, ignored);
   if (!std::ofstream(path, std::ios::app))
     fail(exit_bad_input,
-         fmt::format("--profile: cannot write '{}': {}", path, std::strerror(errno)));
+         fmt::format("{}: cannot write '{}': {}", option, path, std::strerror(errno)));
+  if (is_new) std::filesystem::remove(path, ignored);
+}
+
+CLI::Validator file_name() {
+  return {[](const std::string& file) -> std::string {
+            return file.empty() ? "the file's name is empty" : "";
+          },
+          ""};
 }
 
 void write_profile_file(const std::string& path, const Runner& runner) {
   std::ofstream file(path);
   write_profile(runner.profile(), file);
   if (!file.flush()) fail(exit_failed, fmt::format("cannot write the profile '{}'", path));
+}
+
+/// Writes the picture of the last tick that had something to draw.
+int write_picture_file(const Arguments& arguments, const std::optional<Picture>& picture) {
+  if (!picture) {
+    fmt::print(stderr,
+               "ilss: --picture: nothing that the run gave has a place in a plane: no range scan, "
+               "segment, arc, edge or point\n");
+    return exit_failed;
+  }
+  for (const std::string& message : picture->left_out)
+    fmt::print(stderr, "ilss: --picture: {}\n", message);
+  std::ofstream file(arguments.picture, std::ios::binary);
+  file << picture_svg(*picture, arguments.picture_scale);
+  if (!file.flush())
+    fail(exit_failed, fmt::format("cannot write the picture '{}'", arguments.picture));
+  return exit_fine;
 }
 
 std::string ticks_text(std::int64_t ticks) {
@@ -328,13 +360,15 @@ int run(const Arguments& arguments, Session& session) {
   const std::int64_t most_ticks = arguments.ticks.value_or(default_ticks);
   const Plan plan = session.read_graph(arguments.graph, arguments.sets);
   const std::vector<ScheduledCommand> commands = read_commands(arguments.commands, plan);
-  if (!arguments.profile.empty()) check_profile_file(arguments.profile);
+  if (!arguments.profile.empty()) check_file("--profile", arguments.profile);
+  if (!arguments.picture.empty()) check_file("--picture", arguments.picture);
   Runner runner(plan, arguments.seed);
   for (const ScheduledCommand& command : commands) runner.schedule(command);
   Agreement agreement(plan);
   std::vector<OutputSummary> summaries(plan.outputs.size());
   end_run_at_interrupt();
   bool ended = false;
+  std::optional<Picture> picture;
   std::int64_t tick = 0;
   for (; (most_ticks == 0 || tick < most_ticks) && interrupted == 0; ++tick) {
     const double time = static_cast<double>(tick) * period;
@@ -345,6 +379,8 @@ int run(const Arguments& arguments, Session& session) {
     const std::vector<VerdictReport> verdicts = judge(runner.system());
     observe_outputs(runner.system(), verdicts, summaries);
     agreement.observe(runner.system());
+    if (!arguments.picture.empty())
+      if (auto drawn = picture_of(runner.system(), time)) picture = std::move(drawn);
     if (arguments.json)
       fmt::print("{}\n", json_text(tick_json(runner, time, verdicts), true));
     else if (!arguments.quiet)
@@ -372,7 +408,7 @@ int run(const Arguments& arguments, Session& session) {
     print_latency(runner);
   }
   if (!arguments.profile.empty()) write_profile_file(arguments.profile, runner);
-  return exit_fine;
+  return arguments.picture.empty() ? exit_fine : write_picture_file(arguments, picture);
 }
 
 }  // namespace
@@ -395,9 +431,17 @@ void add_run(CLI::App& app, Session& session) {
       ->capture_default_str();
   verb->add_option("--profile", arguments->profile, "Write the modules' measured times here")
       ->type_name("FILE")
-      ->check([](const std::string& file) -> std::string {
-        return file.empty() ? "the file's name is empty" : "";
-      });
+      ->check(file_name());
+  auto* picture = verb->add_option("--picture", arguments->picture,
+                                   "Draw the last tick: scans, segments, edges and points, as SVG")
+                      ->type_name("FILE")
+                      ->check(file_name());
+  verb->add_option("--picture-scale", arguments->picture_scale,
+                   "Draw errors so many times as large as they are")
+      ->type_name("N")
+      ->check(CLI::Range(1e-3, 1e6))
+      ->capture_default_str()
+      ->needs(picture);
   auto* quiet = verb->add_flag("--quiet", arguments->quiet, "Print the summary only");
   verb->add_flag("--json", arguments->json, "Print one JSON object a tick")->excludes(quiet);
   verb->callback([arguments, &session] { throw Exit{run(*arguments, session)}; });
