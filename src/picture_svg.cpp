@@ -30,6 +30,7 @@ constexpr double axis_height = 46;
 constexpr double legend_height = 19;
 constexpr double reading_size = 2.6;
 constexpr double least_visible_error = 1;
+constexpr double least_half_axis = 0.1;  // a flatter ellipse would not be drawn at all
 
 constexpr double probability = 0.95;
 constexpr double least_extent = 0.1;  // m
@@ -38,7 +39,7 @@ constexpr double margin = 0.06;       // of the extent
 /// Colours of the modules, each with a contrast of at least 3 to white and to black.
 constexpr std::array<const char*, 6> colours = {"#2f80d0", "#e0641e", "#2a9d62",
                                                 "#a05bd0", "#d04a74", "#8f7d1f"};
-constexpr const char* grey = "#808080";
+constexpr const char* grey = "#868686";
 
 /// What of a picture must be seen: everything but the scenes, and readings far beyond the others.
 Box extent_of(const Picture& picture) {
@@ -138,20 +139,21 @@ class Drawing {
 
   std::vector<LegendLine> legend() const {
     std::vector<LegendLine> lines;
-    bool has_ellipses = false;
+    std::string errors;
     for (std::size_t i = 0; i < picture_.layers.size(); ++i) {
       const PictureLayer& layer = picture_.layers[i];
-      const Sample sample = !layer.readings.empty()  ? Sample::readings
+      const bool is_scan = !layer.readings.empty();
+      const Sample sample = is_scan                  ? Sample::readings
                             : !layer.strokes.empty() ? Sample::stroke
                                                      : Sample::mark;
-      has_ellipses |= layer.readings.empty();
       lines.push_back({sample, colour(i), fmt::format("{}: {}", layer.module, layer.content)});
+      const std::string meaning = is_scan ? "bars of readings are ±1 std" : "ellipses hold 95 %";
+      if (errors.find(meaning) == std::string::npos)
+        errors += (errors.empty() ? "" : ", ") + meaning;
     }
     for (const PictureScene& scene : picture_.scenes)
       lines.push_back(
           {Sample::scene, grey, fmt::format("the scene that {} looks at", scene.module)});
-    std::string errors = has_ellipses ? "ellipses hold 95 %, bars of readings are 1 std"
-                                      : "bars of readings are 1 std";
     if (error_scale_ != 1)
       errors += fmt::format("; errors drawn {:g} times as large", error_scale_);
     lines.push_back({Sample::none, grey, errors});
@@ -207,8 +209,13 @@ class Drawing {
         "text",
         {{"x", left_margin + plot_size_.x() / 2}, {"y", bottom + 34}, {"text-anchor", "middle"}},
         picture_.axes.right + " (m)");
-    svg.element("text", {{"x", 14.0}, {"y", top_ + plot_size_.y() / 2}}, picture_.axes.up);
-    svg.element("text", {{"x", 10.0}, {"y", top_ + plot_size_.y() / 2 + 14}}, "(m)");
+    const double middle = top_ + plot_size_.y() / 2;
+    svg.element("text",
+                {{"x", 16.0},
+                 {"y", middle},
+                 {"text-anchor", "middle"},
+                 {"transform", fmt::format("rotate(-90 16 {})", svg_number(middle))}},
+                picture_.axes.up + " (m)");
   }
 
   void write_legend(SvgWriter& svg, double y) const {
@@ -312,7 +319,7 @@ class Drawing {
       svg.element("path", {{"class", "deviations"},
                            {"d", bars.text()},
                            {"stroke-width", "1"},
-                           {"stroke-opacity", "0.35"}});
+                           {"stroke-opacity", "0.3"}});
     svg.element("path", {{"class", "readings"},
                          {"d", dots.text()},
                          {"stroke-width", reading_size},
@@ -329,7 +336,7 @@ class Drawing {
     svg.element("ellipse", {{"cx", at.x()},
                             {"cy", at.y()},
                             {"rx", ellipse.major * scale},
-                            {"ry", ellipse.minor * scale},
+                            {"ry", std::max(ellipse.minor * scale, least_half_axis)},
                             {"transform", fmt::format("rotate({} {} {})", svg_number(degrees),
                                                       svg_number(at.x()), svg_number(at.y()))},
                             {"stroke-width", "1"},
@@ -356,12 +363,14 @@ class Drawing {
     // Short lines across its ends, so that pieces of one line are told apart.
     constexpr double half_length = 5;
     const Vector2d along = to - from;
-    if (!(along.norm() > 0)) return;
-    const Vector2d across = half_length * Vector2d(-along.y(), along.x()) / along.norm();
     SvgPath ends;
-    for (const Vector2d& end : {from, to})
+    for (const Vector2d& end : {from, to}) {
+      const Vector2d normal =
+          stroke.centre ? Vector2d(end - pixel(*stroke.centre)) : Vector2d(-along.y(), along.x());
+      const Vector2d across = half_length * normal.normalized();
       ends.move_to(end.x() - across.x(), end.y() - across.y())
           .line_to(end.x() + across.x(), end.y() + across.y());
+    }
     svg.element("path", {{"class", "ends"}, {"d", ends.text()}, {"stroke-width", "1.5"}});
   }
 
