@@ -30,6 +30,8 @@ volatile std::sig_atomic_t interrupted = 0;
 /// Where no --ticks is given, a run without end stops here.
 constexpr std::int64_t default_ticks = 1000;
 constexpr double longest_period = 1e6;  // s
+constexpr double least_picture_scale = 1e-3;
+constexpr double most_picture_scale = 1e6;
 
 /// Outputs up to this number are shown one by one at every tick; more are counted.
 constexpr std::size_t most_outputs_shown = 4;
@@ -310,6 +312,12 @@ double read_period(const std::string& text) {
   return std::get<double>(period);
 }
 
+void check_picture_scale(double scale) {
+  if (!(scale >= least_picture_scale && scale <= most_picture_scale))
+    fail(exit_bad_input, fmt::format("--picture-scale must be from {:g} to {:.0f}",
+                                     least_picture_scale, most_picture_scale));
+}
+
 /// Finds out before a run whether an option's file can be written, and leaves all as it is.
 void check_file(const std::string& option, const std::string& path) {
   std::error_code ignored;
@@ -357,6 +365,7 @@ std::string ticks_text(std::int64_t ticks) {
 int run(const Arguments& arguments, Session& session) {
   session.load_modules();
   const double period = read_period(arguments.period);
+  check_picture_scale(arguments.picture_scale);
   const std::int64_t most_ticks = arguments.ticks.value_or(default_ticks);
   const Plan plan = session.read_graph(arguments.graph, arguments.sets);
   const std::vector<ScheduledCommand> commands = read_commands(arguments.commands, plan);
@@ -439,7 +448,6 @@ void add_run(CLI::App& app, Session& session) {
   verb->add_option("--picture-scale", arguments->picture_scale,
                    "Draw errors so many times as large as they are")
       ->type_name("N")
-      ->check(CLI::Range(1e-3, 1e6))
       ->capture_default_str()
       ->needs(picture);
   auto* quiet = verb->add_flag("--quiet", arguments->quiet, "Print the summary only");
