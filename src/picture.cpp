@@ -24,11 +24,16 @@ std::optional<std::size_t> find_length(const PayloadDescriptor& payload, const s
   return found && payload.components[*found].unit == "m" ? found : std::nullopt;
 }
 
+/// In the robot's plane x is forward, in a sensor's z: forward is up.
+bool is_robot(const std::string& frame) { return frame == "robot"; }
+
 /// The place whose components' names begin with `prefix`: "start_x" and "start_z".
-std::optional<Place> find_place(const PayloadDescriptor& payload, const std::string& prefix) {
+std::optional<Place> find_place(const Estimate& estimate, const std::string& prefix) {
+  const PayloadDescriptor& payload = *estimate.type;
   const auto x = find_length(payload, prefix + "x");
   if (!x) return std::nullopt;
-  if (const auto z = find_length(payload, prefix + "z")) return Place{*x, *z, {}};
+  if (const auto z = find_length(payload, prefix + "z"))
+    return is_robot(estimate.frame) ? Place{*z, *x, {.right = "z", .up = "x"}} : Place{*x, *z, {}};
   if (const auto y = find_length(payload, prefix + "y"))
     return Place{*y, *x, {.right = "y", .up = "x", .right_sign = -1}};
   return std::nullopt;
@@ -56,19 +61,19 @@ bool has_label(const Estimate& estimate, std::string_view value) {
 /// Adds what an estimate's components say of its place; the axes in which they do so, if any.
 std::optional<PictureAxes> add_estimate(const Estimate& estimate, PictureLayer& layer) {
   const PayloadDescriptor& type = *estimate.type;
-  const auto start = find_place(type, "start_");
-  const auto end = find_place(type, "end_");
+  const auto start = find_place(estimate, "start_");
+  const auto end = find_place(estimate, "end_");
   if (start && end) {
     PictureStroke stroke{point_at(estimate, *start),
                          point_at(estimate, *end),
                          {},
                          type.name + "  " + component_line(estimate)};
-    if (const auto centre = find_place(type, "centre_"))
+    if (const auto centre = find_place(estimate, "centre_"))
       stroke.centre = point_at(estimate, *centre).at;
     layer.strokes.push_back(std::move(stroke));
     return start->axes;
   }
-  const auto place = find_place(type, "");
+  const auto place = find_place(estimate, "");
   if (!place) return std::nullopt;
   const bool is_jump = has_label(estimate, edge_kinds[static_cast<std::size_t>(EdgeKind::jump)]);
   layer.marks.push_back(
@@ -77,14 +82,19 @@ std::optional<PictureAxes> add_estimate(const Estimate& estimate, PictureLayer& 
 }
 
 /// Adds the readings of a scan, and the field in which it looked.
-void add_scan(const Output& scan, PictureLayer& layer) {
+PictureAxes add_scan(const Output& scan, PictureLayer& layer) {
   const auto readings = readings_of(scan);
-  if (readings.empty()) return;
-  const auto along = [](const RangeReading& reading, double range) {
-    return Eigen::Vector2d(range * std::cos(reading.bearing), range * std::sin(reading.bearing));
+  const bool x_is_up = is_robot(scan.estimate.frame);
+  const PictureAxes axes = x_is_up ? PictureAxes{.right = "z", .up = "x"} : PictureAxes{};
+  if (readings.empty()) return axes;
+  const auto place = [&](double x, double z) {
+    return x_is_up ? Eigen::Vector2d(z, x) : Eigen::Vector2d(x, z);
   };
-  const auto origin = [](const RangeReading& reading) {
-    return Eigen::Vector2d(reading.origin_x, reading.origin_z);
+  const auto along = [&](const RangeReading& reading, double range) {
+    return place(range * std::cos(reading.bearing), range * std::sin(reading.bearing));
+  };
+  const auto origin = [&](const RangeReading& reading) {
+    return place(reading.origin_x, reading.origin_z);
   };
   std::vector<double> ranges;
   for (const RangeReading& reading : readings) {
@@ -94,7 +104,7 @@ void add_scan(const Output& scan, PictureLayer& layer) {
     layer.readings.push_back({origin(reading) + along(reading, range),
                               along(reading, reading.deviation * range * range)});
   }
-  if (ranges.empty()) return;
+  if (ranges.empty()) return axes;
   // Up to the first and last reading, but hardly farther than nearly all of them: a reading of
   // nothing may be anywhere.
   const auto most = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() * 95 / 100);
@@ -104,6 +114,7 @@ void add_scan(const Output& scan, PictureLayer& layer) {
     return origin(reading) + along(reading, std::min(far, 1 / reading.inverse_range));
   };
   layer.field = {origin(readings.back()), border(readings.front()), border(readings.back()), far};
+  return axes;
 }
 
 /// What a node's output looks like, and in which axes.
@@ -111,7 +122,7 @@ std::pair<PictureLayer, PictureAxes> layer_of(const std::string& module, const O
   PictureLayer layer{module, samples_text(output)};
   PictureAxes axes;
   if (output.estimate.type->name == RangeScan<double>::name) {
-    add_scan(output, layer);
+    axes = add_scan(output, layer);
     return {std::move(layer), axes};
   }
   if (output.estimate.type->element.empty()) {

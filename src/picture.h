@@ -58,8 +58,9 @@ struct PictureLayer {
   bool empty() const { return readings.empty() && strokes.empty() && marks.empty(); }
 };
 
-/// Which of a frame's axes lie where: papers' planes have x to the right and z up; those of REP-103
-/// have x up and y to the left.
+/// Which of a frame's axes lie where, so that forward is up: the sensors' planes have x to the
+/// right and z up, the robot's has x up and z to the right, those of REP-103 x up and y to the
+/// left.
 struct PictureAxes {
   std::string right = "x";
   std::string up = "z";
