@@ -15,7 +15,7 @@ const std::string lines = "graphs/lep_lines.yaml ";
 
 /// A graph of a whole scan that is its own output.
 std::filesystem::path scan_graph() {
-  const std::filesystem::path graph = test_file("graph.yaml");
+  std::filesystem::path graph = test_file("graph.yaml");
   std::ofstream(graph) << R"(ilss: scan
 modules:
   lep: {type: lep_sensor, scene: )" ILSS_SOURCE_DIR R"(/graphs/scenes/convex_edge.yaml}
@@ -52,7 +52,7 @@ TEST(SetText, SummaryCountsElementsAndStatesTheirErrorsByType) {
 
 TEST(SetText, MoreThanTwelveElementsAreCounted) {
   const Heard heard = call_command("run graphs/lep_lines_ekf.yaml --ticks 1");
-  const auto begin = heard.output.find("\n") + 1;
+  const auto begin = heard.output.find('\n') + 1;
   const std::string elements = heard.output.substr(begin, heard.output.find("\n\n") - begin + 1);
   ASSERT_EQ(heard.output.substr(0, begin), "     0     0.000 s  segments 16\n");
   EXPECT_EQ(std::count(elements.begin(), elements.end(), '\n'), 13) << elements;
