@@ -168,7 +168,7 @@ void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& a
   if (before.arc || after.arc) return;
   const std::size_t second = segments_ - 1;
   const std::size_t first = segments_ - 2;
-  if (before.last + 1 == after.first) {
+  if (after.meets_before) {
     // m1 · x = 1 and m2 · x = 1.
     Eigen::Vector4d values(before.fit.line.x, before.fit.line.z, after.fit.line.x,
                            after.fit.line.z);
