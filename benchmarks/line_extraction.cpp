@@ -19,6 +19,8 @@ namespace {
 
 using namespace ilss;
 
+std::uint64_t seed = 2026;
+
 /// A surface of a scene: a line, or a pillar where `radius` is above 0.
 struct Surface {
   InverseLine line = {};
@@ -62,9 +64,9 @@ std::vector<Situation> situations() {
     for (const Wall& wall : scene.walls) s.surfaces.push_back(wall_surface(wall));
     list.push_back(s);
   };
-  add_edges("convex edge of 120°, 0.7 m", edge_scene(0.7, 120 * degree));
-  add_edges("convex edge of 120°, 1.2 m", edge_scene(1.2, 120 * degree));
-  add_edges("concave corner of 90°, 1.5 m", edge_scene(1.5, 90 * degree, false));
+  add_edges("convex edge, 0.7 m", edge_scene(0.7, 120 * degree));
+  add_edges("convex edge, 1.2 m", edge_scene(1.2, 120 * degree));
+  add_edges("concave corner, 1.5 m", edge_scene(1.5, 90 * degree, false));
   {
     Situation s{"step of 5 cm, 1 m", {}, {}};
     s.scene.walls = {{{1, -3}, {1, 0.1}, 0.8, {}},
@@ -74,7 +76,7 @@ std::vector<Situation> situations() {
     list.push_back(s);
   }
   {
-    Situation s{"pillar of radius 10 cm, 0.9 m, before a wall", {}, {}};
+    Situation s{"pillar, 0.9 m, before a wall", {}, {}};
     s.scene.walls = {{{1.6, -3}, {1.6, 3}, 0.8, {}}};
     s.scene.pillars = {{{1.0, 0}, 0.1, 0.8}};
     const Surface wall = wall_surface(s.scene.walls[0]);
@@ -82,7 +84,7 @@ std::vector<Situation> situations() {
     list.push_back(s);
   }
   {
-    Situation s{"doorway of 40 cm, a wall behind", {}, {}};
+    Situation s{"doorway, 1.2 m, a wall behind", {}, {}};
     s.scene.walls = {{{1.2, -3}, {1.2, -0.2}, 0.8, {}},
                      {{1.2, 0.2}, {1.2, 3}, 0.8, {}},
                      {{2, -3}, {2, 3}, 0.8, {}}};
@@ -180,48 +182,52 @@ void judge(const Output& features, const Situation& situation, const Output& sca
     compare_with_batch(scan, situation, tally);
 }
 
-std::vector<Variant> variants() {
+Variant ours() { return {"", std::make_unique<LineExtractor>(LineExtractor::Options{})}; }
+
+std::vector<Variant> filters() {
   std::vector<Variant> list;
-  list.push_back({"line_extractor", std::make_unique<LineExtractor>(LineExtractor::Options{})});
-  const auto add_filter = [&](const std::string& name, double gate, bool clustered) {
-    EkfLineExtractor::Options options;
-    options.gate = gate;
-    if (clustered) options.cluster_gate = gate;
-    list.push_back({name, std::make_unique<EkfLineExtractor>(options)});
-  };
-  for (const double gate : {2.0, 3.0, 4.0, 5.0}) {
-    add_filter(fmt::format("ekf, g = {}", gate), gate, false);
-    add_filter(fmt::format("ekf, g = {}, clustered", gate), gate, true);
-  }
+  for (const double gate : {2.0, 3.0, 4.0, 5.0})
+    for (const bool clustered : {false, true}) {
+      EkfLineExtractor::Options options;
+      options.gate = gate;
+      if (clustered) options.cluster_gate = gate;
+      list.push_back({fmt::format(", g = {}{}", gate, clustered ? ", clustered" : ""),
+                      std::make_unique<EkfLineExtractor>(options)});
+    }
   return list;
 }
 
+void print_head() {
+  fmt::print(
+      "| scene | right | found | false a scan | NEES | var. of rho | var. of phi | ns a reading |\n"
+      "|---|---|---|---|---|---|---|---|\n");
+}
+
 void print(const std::string& name, const Tally& t, std::size_t surfaces) {
-  const double n = static_cast<double>(t.scans);
+  const auto n = static_cast<double>(t.scans);
   const auto ratio = [&](int i) {
     return t.batch_square[i] == 0 ? std::string("-")
-                                  : fmt::format("{:.3f}", t.square[i] / t.batch_square[i]);
+                                  : fmt::format("{:.2f}", t.square[i] / t.batch_square[i]);
   };
-  fmt::print("| {} | {:.2f} | {:.2f} | {:.3f} | {} | {} | {} | {:.0f} |\n", name,
+  const double per_surface = t.nees_per_dof / static_cast<double>(t.compared);
+  fmt::print("| {} | {:.2f} % | {:.2f} % | {:.2f} | {} | {} | {} | {:.0f} |\n", name,
              100 * static_cast<double>(t.exact) / n,
              100 * static_cast<double>(t.found) / n / static_cast<double>(surfaces),
              static_cast<double>(t.extra) / n,
-             t.compared == 0
-                 ? "-"
-                 : fmt::format("{:.3f}", t.nees_per_dof / static_cast<double>(t.compared)),
-             ratio(0), ratio(1), t.seconds * 1e9 / static_cast<double>(t.readings));
+             t.compared == 0 ? std::string("-") : fmt::format("{:.3f}", per_surface), ratio(0),
+             ratio(1), t.seconds * 1e9 / static_cast<double>(t.readings));
 }
 
-void run(const Situation& situation, double head_rate, bool bandwidth, std::size_t scans) {
+void run(const Situation& situation, double head_rate, bool bandwidth, std::size_t scans,
+         std::vector<Variant> extractors) {
   LepRig rig(situation.scene);
   rig.head_rate = head_rate;
   if (bandwidth) rig.options.bandwidth = 1000;
-  std::vector<Variant> extractors = variants();
   std::vector<Tally> tallies(extractors.size());
   std::vector<Output> outputs(extractors.size());
   const Estimate no_parameters_given(no_parameters());
   for (std::size_t k = 0; k < scans; ++k) {
-    const Output scan = rig.scan(derive_seed(2026, k));
+    const Output scan = rig.scan(derive_seed(seed, k));
     const Output* input = &scan;
     for (std::size_t v = 0; v < extractors.size(); ++v) {
       const Evaluation evaluation{
@@ -234,22 +240,34 @@ void run(const Situation& situation, double head_rate, bool bandwidth, std::size
       if (outcome) judge(outputs[v], situation, scan, tallies[v]);
     }
   }
-  fmt::print(
-      "\n{}, head {}{}:\n\n"
-      "| extractor | right (%) | found (%) | false a scan | NEES per dimension | variance of rho / "
-      "batch | of phi | ns a reading |\n|---|---|---|---|---|---|---|---|\n",
-      situation.name, head_rate == 0 ? "still" : fmt::format("at {:.0f}°/s", head_rate / degree),
-      bandwidth ? ", detector of 1 kHz" : "");
   for (std::size_t v = 0; v < extractors.size(); ++v)
-    print(extractors[v].name, tallies[v], situation.surfaces.size());
+    print(fmt::format("{}{}{}{}", situation.name, head_rate == 0 ? "" : ", head turning",
+                      bandwidth ? ", 1 kHz" : "", extractors[v].name),
+          tallies[v], situation.surfaces.size());
+}
+
+std::vector<Variant> only_ours() {
+  std::vector<Variant> list;
+  list.push_back(ours());
+  return list;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::size_t scans = argc > 1 ? static_cast<std::size_t>(std::atoi(argv[1])) : 2000;
-  for (const Situation& situation : situations()) {
-    for (const double rate : {0.0, 90 * degree}) run(situation, rate, false, scans);
-    run(situation, 0, true, scans);
+  if (argc > 2) seed = static_cast<std::uint64_t>(std::atoi(argv[2]));
+  const std::vector<Situation> all = situations();
+  constexpr double turning = 90 * degree;  // a second
+  fmt::print("line_extractor, {} scans each:\n\n", scans);
+  print_head();
+  for (const Situation& situation : all) {
+    run(situation, 0, false, scans, only_ours());
+    run(situation, turning, false, scans, only_ours());
+    run(situation, 0, true, scans, only_ours());
   }
+  fmt::print("\nekf_line_extractor:\n\n");
+  print_head();
+  for (const std::size_t edge : {0U, 1U}) run(all[edge], 0, false, scans, filters());
+  run(all[1], turning, false, scans, filters());
 }

@@ -10,11 +10,14 @@
 #include "sensors/fusion/consistency.h"
 #include "sensors/fusion/covariance_intersection.h"
 #include "sensors/fusion/fuse.h"
+#include "sensors/laser/laser_log.h"
+#include "sensors/laser/laser_ranging.h"
 #include "sensors/lep/lep_detector.h"
 #include "sensors/lep/lep_ranging.h"
 #include "sensors/lep/lep_sensor.h"
 #include "sensors/lep/lep_triangulation.h"
 #include "sensors/range/ekf_line_extractor.h"
+#include "sensors/range/fixate.h"
 #include "sensors/range/line_extractor.h"
 #include "sensors/range/range_readings.h"
 #include "sensors/range/wall_from_segments.h"
@@ -32,8 +35,11 @@ void register_sensors(Registry& registry) {
   registry.add<ConsistencyModule>();
   registry.add<CovarianceIntersection>();
   registry.add<EkfLineExtractor>();
+  registry.add<Fixate>();
   registry.add<Fuse>();
   registry.add(expression_type());
+  registry.add<LaserLog>();
+  registry.add<LaserRanging>();
   registry.add<LepRanging>();
   registry.add<LepSensor>();
   registry.add<LineExtractor>();

@@ -13,7 +13,7 @@ constexpr std::size_t parameter_count = dimension_of<LepRanging::Parameters>;
 struct InverseRange {
   double value;                                         ///< u (1/m)
   double by_position;                                   ///< du/dp (1/m²)
-  std::array<double, shared_range_errors> sensitivity;  ///< by relative f and d, gamma, relative s
+  std::array<double, shared_range_errors> sensitivity;  ///< as LepRanging says
 };
 
 /// u = (p + f tan gamma) / (p A + f B) (eq. 6, see LepRay), and its exact derivatives.
@@ -36,11 +36,14 @@ class RangeEquation {
     const double slope = secant_ * secant_;  // of tan gamma
     const double a_by_gamma = -d * c * slope - geometry_.lens_distance * secant_ * tangent_;
     const double b_by_gamma = d * s * slope;
+    const double a_by_angle = d * (c + s * tangent_);
+    const double b_by_angle = d * (-s + c * tangent_);
     return {u,
             (1 - u * a) * scale,
             {f * (tangent_ - u * b) * scale, -u * d * (p * a_by_d + f * b_by_d) * scale,
              (f * slope - u * (p * a_by_gamma + f * b_by_gamma)) * scale,
-             geometry_.lens_distance * u * p * secant_ * scale}};
+             geometry_.lens_distance * u * p * secant_ * scale,
+             -u * (p * a_by_angle + f * b_by_angle) * scale}};
   }
 
  private:
@@ -49,15 +52,18 @@ class RangeEquation {
   double secant_;
 };
 
-/// The components of the scan by the parameters: the mount passes, the rest are errors that are
-/// relative but for the angle's.
+/// The components of the scan by the parameters: the origin passes, the projected vergence turns
+/// the rays from z towards x, and the errors of lengths are relative.
 std::array<double, scan_size * parameter_count> scan_by_parameters(
     const LepRanging::Parameters<double>& p) {
   std::array<double, scan_size * parameter_count> jacobian{};
   const auto set = [&](std::size_t component, std::size_t parameter, double value) {
     jacobian[parameter * scan_size + component] = value;
   };
-  for (std::size_t i = 0; i < 3; ++i) set(i, 4 + i, 1);
+  set(0, 4, 1);
+  set(1, 5, 1);
+  set(2, 6, -1);
+  set(7, 6, 1);
   set(3, 0, 1 / p.focal_length);
   set(4, 1, 1 / p.baseline);
   set(5, 2, 1);
@@ -83,17 +89,18 @@ Outcome<> LepRanging::evaluate(const Evaluation& evaluation, Output& output) {
   const RangeEquation range_equation({p.focal_length, p.baseline, p.vergence, p.lens_distance});
   std::size_t count = 0;
   for (const LepReading& image : images) {
-    const InverseRange range = range_equation(image.image_position, std::cos(image.scan_angle),
-                                              std::sin(image.scan_angle));
+    const double laser = image.scan_angle + p.projected_vergence;
+    const InverseRange range =
+        range_equation(image.image_position, std::cos(laser), std::sin(laser));
     if (!(range.value > 0 && range.by_position > 0)) continue;
     const double turned = image.vehicle_heading + image.head;
     const double c = std::cos(turned);
     const double s = std::sin(turned);
     readings[count++] = {image.time,
                          turned,
-                         image.vehicle_x + c * p.mount_x - s * p.mount_z,
-                         image.vehicle_z + s * p.mount_x + c * p.mount_z,
-                         std::numbers::pi / 2 - image.scan_angle + turned + p.mount_heading,
+                         image.vehicle_x + c * p.origin_x - s * p.origin_z,
+                         image.vehicle_z + s * p.origin_x + c * p.origin_z,
+                         std::numbers::pi / 2 - laser + turned,
                          range.value,
                          range.by_position * image.deviation,
                          range.sensitivity};
@@ -104,7 +111,7 @@ Outcome<> LepRanging::evaluate(const Evaluation& evaluation, Output& output) {
                  "no image position belongs to a range in front of the "
                  "sensor; is the calibration this sensor's?"};
   const auto scan = payload_of<LepScan>(evaluation.input(0));
-  assign<RangeScan>(output.estimate, {p.mount_x, p.mount_z, p.mount_heading, 0, 0, 0, 0,
+  assign<RangeScan>(output.estimate, {p.origin_x, p.origin_z, -p.projected_vergence, 0, 0, 0, 0, 0,
                                       scan.noise_correlation, scan.beam_width});
   const auto jacobian = scan_by_parameters(p);
   const LineageTerm term{jacobian.data(), &evaluation.parameters.lineage};

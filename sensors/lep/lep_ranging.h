@@ -14,8 +14,9 @@ namespace ilss {
 /// Turns a scan of image positions into a scan of ranges (Pears 1997, eq. 6), reading by reading in
 /// inverse range, to which an image position is nearly proportional. The sd of each inverse range
 /// follows from the image position's, which follows from the detector current, and not from the
-/// noisy range. The calibration's error is the same in every reading: `error_1` to `error_4` are
-/// the relative errors of f and d, the error of gamma (rad) and the relative error of s.
+/// noisy range. The calibration's error is the same in every reading: `error_1` to `error_5` are
+/// the relative errors of f and d, the error of gamma (rad), the relative error of s and that of
+/// the projected vergence (rad), which turns the rays as well.
 /// Output frame: the input's: the head's axis, x to the right and z forward at the time of the
 /// scan's last reading, head angle 0; angles from x towards z (Pears 1997, sec. 4). Scan angles, as
 /// in his section 3, run from z towards x.
@@ -32,7 +33,7 @@ class LepRanging final : public Module {
 
   template <typename T>
   struct Parameters {
-    T focal_length, baseline, vergence, lens_distance, mount_x, mount_z, mount_heading;
+    T focal_length, baseline, vergence, lens_distance, origin_x, origin_z, projected_vergence;
     static constexpr std::string_view name = "lep_ranging_parameters";
     static constexpr auto fields = Fields{
         {"focal_length", "m", "f of the collecting lens", LepGeometry<double>{}.focal_length},
@@ -42,9 +43,9 @@ class LepRanging final : public Module {
          true},
         {"lens_distance", "m", "s, of the lens behind its centre of turning",
          LepGeometry<double>{}.lens_distance},
-        {"mount.x", "m", "the scan's origin, to the right of the head's axis", 0},
-        {"mount.z", "m", "the scan's origin, forward of the head's axis", 0},
-        {"mount.heading", "rad", "projected vergence: the scan's axis in the head, to the left", 0,
+        {"origin.x", "m", "the scan's origin, to the right of the head's axis", 0},
+        {"origin.z", "m", "the scan's origin, forward of the head's axis", 0},
+        {"projected_vergence", "rad", "what the laser's angle is more than the scan angle", 0,
          true}};
   };
 

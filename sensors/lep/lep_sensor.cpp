@@ -134,8 +134,9 @@ Outcome<> LepSensor::scan(const Evaluation& evaluation, std::int64_t last, doubl
     const ScenePose base = vehicle(p, time);
     const RelativePose moved(standpoint, base);
     const ScenePose head_pose{base.x, base.z, base.heading - head};
-    const ScenePose projection = compose_poses(head_pose, {p.mount_z, p.mount_x, -p.mount_heading});
-    const LepImage image = caster.cast(scene, projection, scan_angle + delay * step);
+    const ScenePose projection = compose_poses(head_pose, {p.origin_z, p.origin_x, 0});
+    const LepImage image =
+        caster.cast(scene, projection, scan_angle + p.projected_vergence + delay * step);
     Signal signal{image.current, image.current * image.image_position};
     if (in_scan != 0) {
       signal.current += correlation_ * (memory.signal.current - signal.current);

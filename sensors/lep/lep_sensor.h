@@ -40,7 +40,7 @@ class LepSensor final : public Module {
 
   template <typename T>
   struct Parameters {
-    T focal_length, baseline, vergence, lens_distance, mount_x, mount_z, mount_heading,
+    T focal_length, baseline, vergence, lens_distance, origin_x, origin_z, projected_vergence,
         detector_length, noise_current, robot_x, robot_z, robot_heading;
     static constexpr std::string_view name = "lep_sensor_parameters";
     static constexpr auto fields = Fields{
@@ -51,9 +51,9 @@ class LepSensor final : public Module {
          true},
         {"lens_distance", "m", "s, of the lens behind its centre of turning",
          LepGeometry<double>{}.lens_distance},
-        {"mount.x", "m", "the scan's origin, to the right of the head's axis", 0},
-        {"mount.z", "m", "the scan's origin, forward of the head's axis", 0},
-        {"mount.heading", "rad", "projected vergence: the scan's axis in the head, to the left", 0,
+        {"origin.x", "m", "the scan's origin, to the right of the head's axis", 0},
+        {"origin.z", "m", "the scan's origin, forward of the head's axis", 0},
+        {"projected_vergence", "rad", "what the laser's angle is more than the scan angle", 0,
          true},
         {"detector_length", "m", "P of the photodiode", 0.01},
         {"noise_current", "A", "I_n of the photodiode and its amplifier", 36.2e-12},

@@ -76,7 +76,7 @@ bool add_errors(std::span<const RangeReading> readings, double noise_correlation
     const Eigen::Vector3d by_circle = expected.v.head<3>();
     Eigen::Matrix<double, 1, scan_dependences> residual_by_scan;
     residual_by_scan << -expected.v.tail<3>().transpose(), r.sensitivity[0], r.sensitivity[1],
-        r.sensitivity[2], r.sensitivity[3];
+        r.sensitivity[2], r.sensitivity[3], r.sensitivity[4];
     information += weight * by_circle * by_circle.transpose();
     by_scan += weight * by_circle * residual_by_scan;
     const double residual = r.inverse_range - expected.a;

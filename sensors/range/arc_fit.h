@@ -49,7 +49,7 @@ T range_to_circle(const T& origin_x, const T& origin_z, const T& direction_x, co
   using std::sqrt;
   const T dx = centre_x - origin_x;
   const T dz = centre_z - origin_z;
-  const T along = dx * direction_x + dz * direction_z;
+  T along = dx * direction_x + dz * direction_z;
   const T across = dx * direction_z - dz * direction_x;
   const T square = radius * radius - across * across;
   if (!(square > T(0))) return along;

@@ -120,7 +120,11 @@ std::optional<PolarLine> batch_line(std::span<const PolarReading> readings, cons
   }
   const double from_z = std::atan2(centroid.x, centroid.z);
   // (iii) the centroid on the z axis, (iv) weighted least squares z = a x + b.
-  double w = 0, wx = 0, wz = 0, wxx = 0, wxz = 0;
+  double w = 0;
+  double wx = 0;
+  double wz = 0;
+  double wxx = 0;
+  double wxz = 0;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Place p = turned(places[i], from_z);
     const double share = p.z / std::hypot(p.x, p.z);

@@ -56,8 +56,8 @@ Outcome<> check_readings(std::span<const RangeReading> readings) {
   double direction = 0;
   for (std::size_t i = 0; i < readings.size(); ++i) {
     const RangeReading& r = readings[i];
-    const double sum = r.time + r.head + r.origin_x + r.origin_z + r.bearing + r.sensitivity[0] +
-                       r.sensitivity[1] + r.sensitivity[2] + r.sensitivity[3];
+    double sum = r.time + r.head + r.origin_x + r.origin_z + r.bearing;
+    for (const double s : r.sensitivity) sum += s;
     if (!std::isfinite(sum)) return wrong(i, "a number is not finite");
     if (!(r.inverse_range > 0 && std::isfinite(r.inverse_range)))
       return wrong(i, "the range must be above 0 and finite");

@@ -37,7 +37,7 @@ LineResidual line_residual(const RangeReading& reading, const Turn& head, const 
   r.by_scan << -expected * scale * (m.x * head.c + m.z * head.s),
       -expected * scale * (m.z * head.c - m.x * head.s), -(m.z * ex - m.x * ez) * scale,
       reading.sensitivity[0], reading.sensitivity[1], reading.sensitivity[2],
-      reading.sensitivity[3];
+      reading.sensitivity[3], reading.sensitivity[4];
   return r;
 }
 

@@ -13,13 +13,13 @@
 namespace ilss {
 
 /// How many components of a range_scan a fit depends on: its mount and its shared errors.
-inline constexpr int scan_dependences = 7;
+inline constexpr int scan_dependences = 8;
 
 /// A fitted line.
 struct LineFit {
   InverseLine line;
   Eigen::Matrix2d covariance;  ///< of the line's x and z, by the readings' own noise (1/m²)
-  /// Of the line's x and z by the scan's mount_x, mount_z, mount_heading and error_1 to error_4.
+  /// Of the line's x and z by the scan's mount_x, mount_z, mount_heading and error_1 to error_5.
   Eigen::Matrix<double, 2, scan_dependences> by_scan;
   double chi_squared = 0;
   std::size_t readings = 0;

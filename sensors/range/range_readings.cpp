@@ -156,7 +156,7 @@ Outcome<> RangeReadings::read_row(std::size_t row, const Evaluation& evaluation,
              (from_z ? std::numbers::pi / 2 - angle : angle) + turned + p.mount_heading,
              u,
              u * u * deviation,
-             {p.scale * u * u, -u, 0, 0}};
+             {p.scale * u * u, -u}};
   return {};
 }
 
@@ -181,7 +181,7 @@ Outcome<> RangeReadings::evaluate(const Evaluation& evaluation, Output& output) 
   output.acquired = columns_.time ? readings.front().time : evaluation.time;
   make_readings(output, count);
   const auto p = payload_of<Parameters>(evaluation.parameters);
-  assign<RangeScan>(output.estimate, {p.mount_x, p.mount_z, p.mount_heading, 0, 0, 0, 0,
+  assign<RangeScan>(output.estimate, {p.mount_x, p.mount_z, p.mount_heading, 0, 0, 0, 0, 0,
                                       options_.noise_correlation, options_.beam_width});
   constexpr std::size_t parameter_count = dimension_of<Parameters>;
   std::array<double, scan_size * parameter_count> jacobian{};

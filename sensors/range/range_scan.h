@@ -11,7 +11,7 @@
 namespace ilss {
 
 /// How many errors of their own all readings of a scan may share.
-inline constexpr std::size_t shared_range_errors = 4;
+inline constexpr std::size_t shared_range_errors = 5;
 
 /// One reading: what the sensor saw along one ray. The ray starts at (origin_x, origin_z) and runs
 /// at `bearing`, from the frame's x axis towards its z axis; what it met is at distance 1 /
@@ -26,7 +26,7 @@ struct RangeReading {
   double bearing = 0;        ///< rad
   double inverse_range = 0;  ///< 1/m, positive
   double deviation = 0;      ///< sd of the inverse range's own noise (1/m), positive
-  /// By the scan's `error_1` ... `error_4` (1/m each).
+  /// By the scan's `error_1` ... `error_5` (1/m each).
   std::array<double, shared_range_errors> sensitivity = {};
 };
 
@@ -35,14 +35,14 @@ struct RangeReading {
 /// frame stands still while the scan is taken and does not turn with the head.
 template <typename T>
 struct RangeScan {
-  T mount_x, mount_z, mount_heading, error_1, error_2, error_3, error_4, noise_correlation,
+  T mount_x, mount_z, mount_heading, error_1, error_2, error_3, error_4, error_5, noise_correlation,
       beam_width;
 
   static constexpr std::string_view name = "range_scan";
   static constexpr std::string_view documentation =
       "ranges along rays; each row of the samples is time (s), head angle (rad), the ray's origin "
       "x and z (m), its bearing from x towards z (rad), the inverse range and the sd of its noise "
-      "(1/m), and its sensitivity to the four shared errors (1/m)";
+      "(1/m), and its sensitivity to the five shared errors (1/m)";
   static constexpr auto fields = Fields{
       {"mount_x", "m", "where the rays start, seen from the head's axis at head angle 0", 0},
       {"mount_z", "m", "the same along z", 0},
@@ -51,6 +51,7 @@ struct RangeScan {
       {"error_2", "1", "another", 0},
       {"error_3", "1", "another", 0},
       {"error_4", "1", "another", 0},
+      {"error_5", "1", "another", 0},
       {"noise_correlation", "1", "of one reading's noise and the next one's; exact", 0},
       {"beam_width", "m", "within which a reading may hold light of two surfaces; exact", 0}};
   static SamplesDescriptor samples() { return {"SI", {"reading", "quantity"}}; }

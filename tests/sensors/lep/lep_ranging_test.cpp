@@ -52,9 +52,9 @@ TEST(LepRanging, DerivativesAreThoseOfTheGeometryByAutomaticDifferentiation) {
     const auto result =
         range(images_of({{.scan_angle = theta, .image_position = p, .deviation = 1}}), parameters);
     ASSERT_TRUE(result.outcome);
-    using T = Dual<5>;
+    using T = Dual<6>;
     const LepGeometry<T> geometry{T(v[0], 0), T(v[1], 1), T(v[2], 2), T(v[3], 3)};
-    const T u = LepRay<T>(geometry, theta).inverse_range(T(p, 4));
+    const T u = LepRay<T>(geometry, T(theta, 5)).inverse_range(T(p, 4));
     const RangeReading& reading = readings_of(result.output)[0];
     const auto expect = [&](double value, double truth, const char* of) {
       ASSERT_NEAR(value, truth, 1e-10 * std::max(1.0, std::abs(truth))) << of << ", run " << run;
@@ -65,6 +65,7 @@ TEST(LepRanging, DerivativesAreThoseOfTheGeometryByAutomaticDifferentiation) {
     expect(reading.sensitivity[1], u.v[1] * v[1], "relative d");
     expect(reading.sensitivity[2], u.v[2], "gamma");
     expect(reading.sensitivity[3], u.v[3] * v[3], "relative s");
+    expect(reading.sensitivity[4], u.v[5], "projected vergence");
   }
 }
 
@@ -73,7 +74,7 @@ TEST(LepRanging, PutsEachReadingOnItsRayInTheHeadsFrame) {
   parameters.value[4] = 0.03;
   parameters.value[5] = 0.05;
   parameters.value[6] = 2 * degree;
-  const double p = LepRay<double>({}, 10 * degree).image_position(1 / 1.5);
+  const double p = LepRay<double>({}, (10 + 2) * degree).image_position(1 / 1.5);
   const auto result = range(images_of({{.time = 0.7,
                                         .head = 25 * degree,
                                         .scan_angle = 10 * degree,
@@ -91,7 +92,7 @@ TEST(LepRanging, PutsEachReadingOnItsRayInTheHeadsFrame) {
   EXPECT_NEAR(r.origin_x, 0.2 + std::cos(30 * degree) * 0.03 - 0.05 * std::sin(30 * degree), 1e-12);
   EXPECT_NEAR(r.origin_z, -0.1 + 0.03 * std::sin(30 * degree) + 0.05 * std::cos(30 * degree),
               1e-12);
-  EXPECT_NEAR(r.bearing, (90 - 10 + 30 + 2) * degree, 1e-12);
+  EXPECT_NEAR(r.bearing, (90 - (10 + 2) + 30) * degree, 1e-12);
   EXPECT_NEAR(1 / r.inverse_range, 1.5, 1e-12);
 }
 
@@ -129,7 +130,8 @@ TEST(LepRanging, CalibrationsErrorsPassIntoEveryReading) {
     const RangeReading& r = readings_of(result.output)[0];
     const RangeReading& s = readings_of(shifted.output)[0];
     double change = 0;
-    for (std::size_t k = 0; k < 4; ++k) change += r.sensitivity[k] * lineage.column(0)[3 + k];
+    for (std::size_t k = 0; k < shared_range_errors; ++k)
+      change += r.sensitivity[k] * lineage.column(0)[3 + k];
     EXPECT_NEAR(s.inverse_range - r.inverse_range, change, 1e-4 * std::abs(change) + 1e-14)
         << "parameter " << i;
     const double mx = lineage.column(0)[0];

@@ -1,0 +1,153 @@
+#include "sensors/laser/laser_log.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <system_error>
+
+namespace ilss {
+namespace {
+
+constexpr std::size_t longest_log = std::size_t{1} << 30;  // bytes
+
+Fault lost(std::string message) { return {FaultKind::device_lost, std::move(message)}; }
+
+Outcome<std::string> read_text(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    return lost(error ? fmt::format("cannot read '{}': {}", path.string(), error.message())
+                      : fmt::format("'{}' is not a regular file", path.string()));
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
+  if (file == nullptr) return lost(fmt::format("cannot read '{}'", path.string()));
+  std::string text;
+  std::string block(std::size_t{1} << 16, '\0');
+  for (;;) {
+    const int count = gzread(file.get(), block.data(), static_cast<unsigned>(block.size()));
+    if (count < 0)
+      return lost(fmt::format("cannot read '{}': the compressed data are damaged", path.string()));
+    if (count == 0) break;
+    text.append(block, 0, static_cast<std::size_t>(count));
+    if (text.size() > longest_log)
+      return lost(fmt::format("'{}' is longer than 1 GB", path.string()));
+  }
+  int code = Z_OK;
+  gzerror(file.get(), &code);
+  if (code != Z_OK)
+    return lost(fmt::format("cannot read '{}': the compressed data end early", path.string()));
+  if (text.find('\0') != std::string::npos)
+    return lost(fmt::format("'{}' holds binary data; expected the lines of a log", path.string()));
+  if (text.empty()) return lost(fmt::format("'{}' is empty", path.string()));
+  return text;
+}
+
+}  // namespace
+
+Outcome<std::shared_ptr<const TextLog>> TextLog::open(const std::filesystem::path& path) {
+  // Remembers only files that somebody still holds, so a file changed between runs is read anew.
+  static std::mutex mutex;
+  static std::map<std::filesystem::path, std::weak_ptr<const TextLog>> held;
+  const std::lock_guard lock(mutex);
+  if (auto log = held[path].lock()) return log;
+  auto text = read_text(path);
+  if (!text) return text.fault();
+  auto log = std::make_shared<TextLog>();
+  log->text_ = std::move(*text);
+  for (std::size_t begin = 0; begin < log->text_.size();) {
+    log->begins_.push_back(begin);
+    begin = std::min(log->text_.find('\n', begin), log->text_.size() - 1) + 1;
+  }
+  held[path] = log;
+  return std::shared_ptr<const TextLog>(log);
+}
+
+std::string_view TextLog::line(std::size_t i) const {
+  const std::size_t end = i + 1 < begins_.size() ? begins_[i + 1] : text_.size();
+  std::string_view line = std::string_view(text_).substr(begins_[i], end - begins_[i]);
+  while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.remove_suffix(1);
+  return line;
+}
+
+void LaserLog::Options::declare(OptionVisitor& visit) {
+  visit("file", file, "the log, plain or compressed by gzip", {.required = true});
+  visit("format", format, "of the log: a CARMEN message, URG-04LX, or time and ranges as CSV");
+  visit("range_std", range_std, "sd of a range's noise, by the data sheet",
+        {.unit = "m", .minimum = 0});
+  visit("bearing_std", bearing_std, "sd of a beam's bearing", {.unit = "rad", .minimum = 0});
+  visit("quantum", quantum, "step in which the log tells ranges", {.unit = "m", .minimum = 0});
+  visit("min_range", min_range, "less is no return: codes of the device",
+        {.unit = "m", .minimum = 0});
+  visit("no_return", no_return, "this and more is no return", {.unit = "m", .minimum = 0});
+  visit("field_of_view", field_of_view, "of a CSV's scans", {.unit = "rad", .minimum = 0});
+  visit("first", first, "the scan to start with", {.minimum = 0});
+  visit("skip_bad", skip_bad, "leave out lines that are no scan, instead of a fault");
+  visit("frame", frame, "name of the laser's frame, x forward and y to the left");
+}
+
+Interface LaserLog::interface(const Options& options) {
+  return {.inputs = {}, .output = &descriptor<LaserScan>(), .frame = options.frame};
+}
+
+void LaserLog::reset() {
+  next_ = 0;
+  skipped_ = 0;
+  start_time_.reset();
+}
+
+Outcome<std::optional<LaserRecord>> LaserLog::parse(std::string_view line) const {
+  switch (options_.format) {
+    case LaserLogFormat::urg:
+      return parse_urg(line);
+    case LaserLogFormat::csv:
+      return parse_laser_csv(line, options_.field_of_view);
+    default:
+      return parse_carmen(line, static_cast<CarmenMessage>(options_.format));
+  }
+}
+
+void LaserLog::emit(const Evaluation& evaluation, const LaserRecord& record, Output& output) {
+  const std::span<LaserBeam> beams = make_beams(output, record.ranges.size());
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    const double range = record.ranges[i];
+    const bool returned = range > 0 && range >= options_.min_range && range < options_.no_return;
+    beams[i] = {record.first_bearing + static_cast<double>(i) * record.step, returned ? range : 0};
+  }
+  assign<LaserScan>(output.estimate, {options_.range_std, options_.bearing_std, options_.quantum,
+                                      options_.no_return});
+  output.acquired = evaluation.time;
+}
+
+Outcome<> LaserLog::evaluate(const Evaluation& evaluation, Output& output) {
+  if (log_ == nullptr) {
+    auto opened = TextLog::open(options_.file);
+    if (!opened) return opened.fault();
+    log_ = *opened;
+  }
+  const bool had_scan = next_ != 0;
+  while (next_ < log_->lines()) {
+    const std::size_t line = next_++;
+    auto record = parse(log_->line(line));
+    if (record && !*record) continue;
+    if (skipped_ < options_.first) {
+      ++skipped_;
+      continue;
+    }
+    if (!record) {
+      if (options_.skip_bad) continue;
+      return Fault{record.fault().kind, fmt::format("{}:{}: {}", options_.file.string(), line + 1,
+                                                    record.fault().message)};
+    }
+    emit(evaluation, **record, output);
+    return {};
+  }
+  if (!had_scan)
+    return lost(fmt::format("'{}' has no {} scan{}", options_.file.string(),
+                            choices(options_.format)[static_cast<std::size_t>(options_.format)],
+                            options_.first > 0 ? " from the first wanted on" : ""));
+  return Fault{FaultKind::end_of_data,
+               fmt::format("'{}' has no more scans", options_.file.string())};
+}
+
+}  // namespace ilss

@@ -1,0 +1,83 @@
+// Laser scans from a recording.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "framework/module/module_type.h"
+#include "sensors/laser/laser_records.h"
+#include "sensors/laser/laser_scan.h"
+
+namespace ilss {
+
+/// The format of a laser log.
+enum class LaserLogFormat { flaser, rlaser, robotlaser1, urg, csv };
+constexpr std::array<std::string_view, 5> choices(LaserLogFormat) {
+  return {"FLASER", "RLASER", "ROBOTLASER1", "urg", "csv"};
+}
+
+/// The lines of a text file, plain or compressed by gzip, read once and shared.
+class TextLog {
+ public:
+  /// Faults: device_lost where the file cannot be read, is empty, binary or longer than 1 GB.
+  static Outcome<std::shared_ptr<const TextLog>> open(const std::filesystem::path& path);
+  std::size_t lines() const { return begins_.size(); }
+  std::string_view line(std::size_t i) const;
+
+ private:
+  std::string text_;
+  std::vector<std::size_t> begins_;
+};
+
+/// Sensor: scans of a log, one a tick: CARMEN's FLASER, RLASER or ROBOTLASER1 messages, URG-04LX
+/// logs, or CSV. Ranges from `no_return` on, below `min_range` or not above 0 are no returns. The
+/// error of a range is what the data sheet says (`range_std`, `quantum`), the same at every range.
+/// Faults, with file and line: bad_data where a line is no scan (left out with `skip_bad`);
+/// end_of_data after the last scan; device_lost where the file cannot be read or has no scan.
+class LaserLog final : public Module {
+ public:
+  static constexpr std::string_view name = "laser_log";
+  static constexpr std::string_view description = "laser scans from a recording";
+  static constexpr ModuleKind kind = ModuleKind::sensor;
+  static constexpr std::array faults = {FaultKind::bad_data, FaultKind::end_of_data,
+                                        FaultKind::device_lost};
+
+  struct Options {
+    std::filesystem::path file;
+    LaserLogFormat format = LaserLogFormat::flaser;
+    double range_std = 0.01;
+    double bearing_std = 0;
+    double quantum = 0;
+    double min_range = 0.02;
+    double no_return = 80;
+    double field_of_view = 3.14159265358979312;
+    std::int64_t first = 0;
+    bool skip_bad = false;
+    std::string frame = "laser";
+    void declare(OptionVisitor& visit);
+  };
+
+  static Interface interface(const Options& options);
+
+  explicit LaserLog(Options options) : options_(std::move(options)) {}
+
+  Outcome<> evaluate(const Evaluation& evaluation, Output& output) override;
+  void reset() override;
+
+ private:
+  Outcome<std::optional<LaserRecord>> parse(std::string_view line) const;
+  void emit(const Evaluation& evaluation, const LaserRecord& record, Output& output);
+
+  Options options_;
+  std::shared_ptr<const TextLog> log_;
+  std::size_t next_ = 0;  ///< line
+  std::int64_t skipped_ = 0;
+  std::optional<double> start_time_;  ///< of the log's clock, at the tick of its first scan
+  double start_tick_time_ = 0;
+};
+
+}  // namespace ilss

@@ -1,0 +1,50 @@
+// A scan of a laser range finder as it comes from the device: ranges at equal steps of bearing.
+#pragma once
+
+#include <span>
+
+#include "framework/estimate/payload.h"
+#include "framework/module/output.h"
+
+namespace ilss {
+
+/// One beam. A range of 0 is no return: nothing came back, or nothing that the device believes.
+struct LaserBeam {
+  double bearing = 0;  ///< counter-clockwise from the forward axis (rad)
+  double range = 0;    ///< m
+};
+
+/// A scan in the laser's own frame (REP 103: x forward, y to the left), one row of the samples a
+/// beam, in the order of the sweep. The components tell what later modules need of the device.
+template <typename T>
+struct LaserScan {
+  T range_std, bearing_std, quantum, max_range;
+
+  static constexpr std::string_view name = "laser_scan";
+  static constexpr std::string_view documentation =
+      "ranges of a laser range finder; each row of the samples is a beam's bearing (rad, counter-"
+      "clockwise) and range (m; 0: no return)";
+  static constexpr auto fields =
+      Fields{{"range_std", "m", "sd of a range's noise; exact"},
+             {"bearing_std", "rad", "sd of a beam's bearing; exact", 0},
+             {"quantum", "m", "step in which ranges are told; exact", 0},
+             {"max_range", "m", "beyond which there is no return; exact"}};
+  static SamplesDescriptor samples() { return {"SI", {"beam", "quantity"}}; }
+};
+
+inline constexpr std::size_t laser_beam_size = sizeof(LaserBeam) / sizeof(double);
+
+/// The beams of a scan's output.
+inline std::span<const LaserBeam> beams_of(const Output& scan) {
+  return {reinterpret_cast<const LaserBeam*>(scan.samples.values.data()),
+          scan.samples.values.size() / laser_beam_size};
+}
+
+/// Room for `count` beams in a scan's output, to be written by the caller.
+inline std::span<LaserBeam> make_beams(Output& scan, std::size_t count) {
+  scan.samples.shape.assign({count, laser_beam_size});
+  scan.samples.values.resize(count * laser_beam_size);
+  return {reinterpret_cast<LaserBeam*>(scan.samples.values.data()), count};
+}
+
+}  // namespace ilss

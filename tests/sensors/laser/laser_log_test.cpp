@@ -1,0 +1,179 @@
+#include "sensors/laser/laser_log.h"
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "sensors/laser/laser_ranging.h"
+#include "tests/sensors/module_run.h"
+
+namespace ilss {
+namespace {
+
+std::filesystem::path written(const std::string& name, const std::string& text) {
+  const auto path = std::filesystem::temp_directory_path() / name;
+  std::ofstream(path) << text;
+  return path;
+}
+
+LaserLog log_of(const std::filesystem::path& path) {
+  LaserLog::Options options;
+  options.file = path;
+  return LaserLog(options);
+}
+
+const std::string two_scans =
+    "PARAM laser front\n"
+    "FLASER 3 1 81.9 3 0 0 0 0 0 0 1 h 1\n"
+    "FLASER 3 4 5 0 0 0 0 0 0 0 2 h 2\n";
+
+TEST(LaserLog, GivesAScanATickAndThenEnds) {
+  LaserLog log = log_of(written("laser_log_two.log", two_scans));
+  const ModuleRun first = run(log, {});
+  ASSERT_TRUE(first.outcome);
+  const auto beams = beams_of(first.output);
+  ASSERT_EQ(beams.size(), 3U);
+  EXPECT_DOUBLE_EQ(beams[0].range, 1);
+  EXPECT_DOUBLE_EQ(beams[1].range, 0) << "81.9 m is SICK's code for no return";
+  EXPECT_NEAR(beams[2].bearing, std::numbers::pi / 2, 1e-12);
+  const ModuleRun second = run(log, {.tick = 1});
+  ASSERT_TRUE(second.outcome);
+  EXPECT_DOUBLE_EQ(beams_of(second.output)[2].range, 0) << "0 is no range";
+  EXPECT_EQ(fault_of(run(log, {.tick = 2}).outcome), "end_of_data");
+  log.reset();
+  EXPECT_TRUE(run(log, {}).outcome);
+}
+
+TEST(LaserLog, ReadsCompressedLogs) {
+  const auto path = std::filesystem::temp_directory_path() / "laser_log_compressed.log.gz";
+  gzFile file = gzopen(path.c_str(), "wb");
+  gzputs(file, two_scans.c_str());
+  gzclose(file);
+  LaserLog log = log_of(path);
+  EXPECT_TRUE(run(log, {}).outcome);
+  // Cut in the middle of the compressed data.
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) - 12);
+  LaserLog cut = log_of(path);
+  EXPECT_EQ(fault_of(run(cut, {}).outcome), "output") << "the held file is not read again";
+}
+
+TEST(LaserLog, ACutFileIsAFault) {
+  const auto path = std::filesystem::temp_directory_path() / "laser_log_cut.log.gz";
+  gzFile file = gzopen(path.c_str(), "wb");
+  for (int i = 0; i < 1000; ++i) gzputs(file, (std::to_string(i * 7919) + two_scans).c_str());
+  gzclose(file);
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  LaserLog log = log_of(path);
+  const ModuleRun result = run(log, {});
+  EXPECT_EQ(fault_of(result.outcome), "device_lost");
+}
+
+TEST(LaserLog, ABadLineIsAFaultWithItsPlaceOrLeftOut) {
+  const auto path = written("laser_log_bad.log",
+                            "FLASER 3 1 2\n" + two_scans + "FLASER 3 1 2 x 0 0 0 0 0 0 1 h 1\n");
+  LaserLog log = log_of(path);
+  const ModuleRun first = run(log, {});
+  EXPECT_EQ(fault_of(first.outcome), "bad_data");
+  EXPECT_EQ(first.outcome.fault().message,
+            path.string() + ":1: the line ends at word 5; expected a range");
+  EXPECT_TRUE(run(log, {.tick = 1}).outcome);
+  EXPECT_TRUE(run(log, {.tick = 2}).outcome);
+  EXPECT_EQ(run(log, {.tick = 3}).outcome.fault().message,
+            path.string() + ":5: word 5: expected a range, got 'x'");
+
+  LaserLog::Options options;
+  options.file = path;
+  options.skip_bad = true;
+  LaserLog tolerant(options);
+  EXPECT_TRUE(run(tolerant, {}).outcome);
+  EXPECT_TRUE(run(tolerant, {}).outcome);
+  EXPECT_EQ(fault_of(run(tolerant, {}).outcome), "end_of_data");
+}
+
+TEST(LaserLog, FilesWithoutScansAreDeviceLost) {
+  const std::string binary("\0\1\2\3", 4);
+  for (const auto& path :
+       {written("laser_log_empty.log", ""), written("laser_log_binary.log", binary),
+        written("laser_log_other.log", "ODOM 0 0 0\n"), std::filesystem::path("/no/such/file.log"),
+        std::filesystem::temp_directory_path()}) {
+    LaserLog log = log_of(path);
+    const ModuleRun result = run(log, {});
+    EXPECT_EQ(fault_of(result.outcome), "device_lost") << path;
+    EXPECT_NE(result.outcome.fault().message.find(path.string()), std::string::npos) << path;
+  }
+}
+
+Output scan_of(std::vector<LaserBeam> beams) {
+  Output scan = output_of<LaserScan>({0.01, 0, 0.012, 80});
+  const auto rows = make_beams(scan, beams.size());
+  std::copy(beams.begin(), beams.end(), rows.begin());
+  return scan;
+}
+
+TEST(LaserRanging, TurnsBeamsToTheLeftIntoTheRobotsPlane) {
+  const Output scan = scan_of({{-0.5, 2}, {0, 0}, {0.5, 4}});
+  LaserRanging ranging({});
+  Tick tick{.parameters = Estimate(descriptor<LaserRanging::Parameters>()), .inputs = {&scan}};
+  tick.parameters.value = {0, 1, 0.1, 0.2, 0.3};
+  const ModuleRun result = run(ranging, tick);
+  ASSERT_TRUE(result.outcome);
+  const auto readings = readings_of(result.output);
+  ASSERT_EQ(readings.size(), 2U) << "the beam without return is left out";
+  EXPECT_DOUBLE_EQ(readings[0].bearing, 0.8) << "bearings count to the right in the robot's plane";
+  EXPECT_DOUBLE_EQ(readings[1].bearing, -0.2);
+  EXPECT_DOUBLE_EQ(readings[1].inverse_range, 0.25);
+  EXPECT_DOUBLE_EQ(readings[1].origin_z, 0.2);
+  // sd of the range: noise and the quantum's q²/12.
+  EXPECT_NEAR(readings[1].deviation, std::hypot(0.01, 0.012 / std::sqrt(12)) / 16, 1e-15);
+}
+
+TEST(LaserRanging, OffsetAndScaleAreSystematic) {
+  const Output scan = scan_of({{-0.5, 2}, {0.5, 4}});
+  LaserRanging ranging({});
+  Tick tick{.parameters = Estimate(descriptor<LaserRanging::Parameters>()), .inputs = {&scan}};
+  tick.parameters.value = {0.02, 1.01, 0, 0, 0};
+  const auto inverse_ranges = [&](double offset, double scale) {
+    Tick moved = tick;
+    moved.parameters.value[0] = offset;
+    moved.parameters.value[1] = scale;
+    std::vector<double> result;
+    for (const RangeReading& r : readings_of(run(ranging, moved).output))
+      result.push_back(r.inverse_range);
+    return result;
+  };
+  tick.parameters.lineage.add({9, 0, persistent_tick}, 0, 0.005);
+  tick.parameters.lineage.add({9, 1, persistent_tick}, 1, 0.001);
+  const ModuleRun result = run(ranging, tick);
+  ASSERT_TRUE(result.outcome);
+  const Lineage& lineage = result.output.estimate.lineage;
+  ASSERT_EQ(lineage.size(), 2U);
+  constexpr double step = 1e-6;
+  const auto by_offset_plus = inverse_ranges(0.02 + step, 1.01);
+  const auto by_offset_minus = inverse_ranges(0.02 - step, 1.01);
+  const auto by_scale_plus = inverse_ranges(0.02, 1.01 + step);
+  const auto by_scale_minus = inverse_ranges(0.02, 1.01 - step);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const RangeReading& r = readings_of(result.output)[i];
+    const double by_source_0 = r.sensitivity[0] * lineage.column(0)[3];
+    const double by_source_1 = r.sensitivity[1] * lineage.column(1)[4];
+    EXPECT_NEAR(by_source_0, (by_offset_plus[i] - by_offset_minus[i]) / (2 * step) * 0.005, 1e-9);
+    EXPECT_NEAR(by_source_1, (by_scale_plus[i] - by_scale_minus[i]) / (2 * step) * 0.001, 1e-9);
+  }
+}
+
+TEST(LaserRanging, WantsAnErrorAndAReturn) {
+  LaserRanging ranging({});
+  const Output nothing = scan_of({{0, 0}, {0.1, 0}});
+  Tick tick{.parameters = Estimate(descriptor<LaserRanging::Parameters>()), .inputs = {&nothing}};
+  EXPECT_EQ(fault_of(run(ranging, tick).outcome), "no_detection");
+  Output exact = scan_of({{0, 1}, {0.1, 1}});
+  exact.estimate.value[0] = exact.estimate.value[2] = 0;
+  tick.inputs = {&exact};
+  EXPECT_EQ(fault_of(run(ranging, tick).outcome), "no_error_known");
+}
+
+}  // namespace
+}  // namespace ilss
