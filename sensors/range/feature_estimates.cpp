@@ -11,6 +11,7 @@ namespace {
 
 constexpr Eigen::Index scan_size = dimension_of<RangeScan>;
 constexpr Eigen::Index mount_size = 3;
+constexpr std::size_t beam_width_component = dimension_of<RangeScan> - 1;
 
 /// The sources that belong to a segment: its fit's noise, what a line's rho departs from first
 /// order, and where within a ray's step its two ends lie.
@@ -101,6 +102,35 @@ void write_feature(const std::array<T, Rows>& components, const Eigen::Matrix<do
 double inverse_range_at(const RangeReading& r, const InverseLine& m) {
   return (m.x * std::cos(r.bearing) + m.z * std::sin(r.bearing)) /
          (1 - m.x * r.origin_x - m.z * r.origin_z);
+}
+
+/// Where the nearer surface ends at a jump: the bearing from a reading's ray to the middle of the
+/// interval that holds the end, and the interval's width (rad).
+struct JumpInterval {
+  const RangeReading* reading;
+  double middle;
+  double width;
+};
+
+/// The last reading that is of the nearer surface has more light of that one, and the first that is
+/// of the farther one has more of the other: between these two the nearer surface ends. Where
+/// readings are missing, nothing mixes: then its last light is that of the beam's inner edge.
+JumpInterval jump_interval(std::span<const RangeReading> readings, std::size_t nearer,
+                           std::size_t farther, double beam_width) {
+  const bool forward = farther > nearer;
+  const auto outwards = [&](std::size_t i) { return forward ? i + 1 : i - 1; };
+  const double step =
+      readings[nearer].bearing - readings[forward ? nearer - 1 : nearer + 1].bearing;
+  constexpr double missing = 1.5;  // steps
+  std::size_t last = nearer;
+  while (last != farther && std::abs(readings[outwards(last)].bearing - readings[last].bearing) <=
+                                missing * std::abs(step))
+    last = outwards(last);
+  const RangeReading& reading = readings[nearer];
+  const double width = readings[last].bearing - reading.bearing;
+  if (last == farther) return {&reading, width / 2, width};
+  const double half_beam = std::copysign(beam_width * reading.inverse_range / 2, step);
+  return {&reading, (width + step) / 2 - half_beam, width + step};
 }
 
 }  // namespace
@@ -197,30 +227,24 @@ void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& a
     add_noise(by_fits.rightCols<2>(), after.fit.covariance, second);
     return;
   }
-  // A jump: the nearer surface ends somewhere between its last clean ray and the first ray that
-  // may have missed it altogether.
-  const RangeReading& last = readings[before.last];
   const RangeReading& opposite = readings[after.first];
   const bool before_is_nearer =
       inverse_range_at(opposite, before.fit.line) > inverse_range_at(opposite, after.fit.line);
   const FittedSegment& nearer = before_is_nearer ? before : after;
-  const RangeReading& clean = before_is_nearer ? last : opposite;
-  const std::size_t index = before_is_nearer ? before.last : after.first;
-  const std::size_t inwards = before_is_nearer ? index - 1 : index + 1;
-  const double step = clean.bearing - readings[inwards].bearing;
-  const std::size_t between = after.first - before.last;
-  const std::size_t mixed = before_is_nearer ? before.mixed_after : after.mixed_before;
-  const auto steps = static_cast<double>(std::min(between, mixed + 1));
-  const double interval = step * steps;
+  const std::size_t end = before.last + before.mixed_after;
+  const std::size_t begin = after.first - after.mixed_before;
+  const JumpInterval jump =
+      before_is_nearer ? jump_interval(readings, end, begin, scan_.value[beam_width_component])
+                       : jump_interval(readings, begin, end, scan_.value[beam_width_component]);
   Eigen::Matrix<double, 6, 1> values = Eigen::Matrix<double, 6, 1>::Zero();
   values.head<2>() << nearer.fit.line.x, nearer.fit.line.z;
   const auto v = variables<6>(values);  // the line, the bearing, the mount
   using T = Dual<6>;
-  const Ray<T> ray(clean, v[3], v[4], v[5] + v[2] + interval / 2);
+  const Ray<T> ray(*jump.reading, v[3], v[4], v[5] + v[2] + jump.middle);
   const Point<T> place = meet_line(ray, v[0], v[1]);
   Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
   noise.topLeftCorner<2, 2>() = nearer.fit.covariance;
-  noise(2, 2) = interval * interval / 12;  // uniform
+  noise(2, 2) = jump.width * jump.width / 12;  // uniform
   Eigen::Matrix<double, 3, scan_dependences> by_scan =
       Eigen::Matrix<double, 3, scan_dependences>::Zero();
   by_scan.topRows<2>() = nearer.fit.by_scan;

@@ -136,5 +136,156 @@ INSTANTIATE_TEST_SUITE_P(
         Situation{"Concave15Turning", edge_scene(1.5, 90 * degree, false), 90 * degree}),
     [](const auto& of) { return of.param.name; });
 
+/// Scans of surfaces that jump: segments are judged against what they are of, from left to right.
+struct JumpTally {
+  int scans_taken = 0;
+  int exact = 0;
+  ConsistencyStatistic lines, arcs, jumps;
+  int jump_count = 0;
+  int jumps_in_ellipse = 0;
+
+  /// A wall's line, or a circle (x, z, radius) of the LEP's frame.
+  struct Truth {
+    InverseLine line = {};
+    std::vector<double> circle = {};
+  };
+
+  void run(const LepRig& rig, const std::vector<Truth>& truths,
+           const std::vector<std::vector<double>>& places, std::uint64_t seed, int count) {
+    LineExtractor extractor({});
+    for (int k = 0; k < count; ++k) {
+      ++scans_taken;
+      const Output scan = rig.scan(derive_seed(seed, static_cast<std::uint64_t>(k)));
+      const ModuleRun result = extract(extractor, scan);
+      if (!result.outcome) continue;
+      const auto segments = segments_of(result.output);
+      bool right = segments.size() == truths.size();
+      for (std::size_t i = 0; right && i < segments.size(); ++i)
+        right = (segments[i]->type->name == ArcSegment<double>::name) == !truths[i].circle.empty();
+      if (!right) continue;
+      ++exact;
+      for (std::size_t i = 0; i < segments.size(); ++i)
+        if (truths[i].circle.empty())
+          lines.add(error_of(*segments[i], 0, rho_phi(truths[i].line)));
+        else
+          arcs.add(error_of(*segments[i], 0, truths[i].circle));
+      judge_jumps(result.output, places);
+    }
+  }
+
+  void judge_jumps(const Output& features, const std::vector<std::vector<double>>& places) {
+    for (const Estimate* edge : elements_of<RangeEdge>(features)) {
+      if (edge->labels[0] != static_cast<int>(EdgeKind::jump)) continue;
+      const std::vector<double>* nearest = nullptr;
+      double distance = INFINITY;
+      for (const auto& place : places) {
+        const double d = std::hypot(edge->value[0] - place[0], edge->value[1] - place[1]);
+        if (d < distance) nearest = &place;
+        distance = std::min(d, distance);
+      }
+      if (nearest == nullptr) continue;
+      ++jump_count;
+      const NormalizedError error = error_of(*edge, 0, *nearest);
+      jumps.add(error);
+      jumps_in_ellipse += error.value < chi_square_quantile(2, 0.95) ? 1 : 0;
+    }
+  }
+
+  void print(const char* name) const {
+    std::printf("%s: exact %.4f lines %.3f arcs %.3f jumps %.3f (%d) coverage %.3f\n", name,
+                static_cast<double>(exact) / scans_taken, lines.mean(), arcs.mean(), jumps.mean(),
+                jump_count, static_cast<double>(jumps_in_ellipse) / jump_count);
+  }
+};
+
+TEST(LineExtractor, FindsAStepOfFiveCentimetresAndWhereItIs) {
+  const std::uint64_t seed = 131;
+  SCOPED_TRACE(::testing::Message() << "seed " << seed);
+  JumpTally tally;
+  // The step lies anywhere between two rays.
+  for (int place = 0; place < 10; ++place) {
+    const double at = 0.1 + 0.0003 * place;
+    Scene scene;
+    scene.walls = {{{1, -3}, {1, at}, 0.8, {}},
+                   {{1, at}, {1.05, at}, 0.8, {}},
+                   {{1.05, at}, {1.05, 3}, 0.8, {}}};
+    tally.run(LepRig(scene), {{line_of({}, scene.walls[0])}, {line_of({}, scene.walls[2])}},
+              {{at, 1}}, seed + static_cast<std::uint64_t>(place), 200);
+  }
+  tally.print("step");
+}
+
+TEST(LineExtractor, FindsAPillarBeforeAWall) {
+  const std::uint64_t seed = 151;
+  SCOPED_TRACE(::testing::Message() << "seed " << seed);
+  Scene scene;
+  scene.walls = {{{1.6, -3}, {1.6, 3}, 0.8, {}}};
+  scene.pillars = {{{1, 0}, 0.1, 0.8}};
+  const InverseLine wall = line_of({}, scene.walls[0]);
+  JumpTally tally;
+  tally.run(LepRig(scene), {{wall}, {{}, {0, 1, 0.1}}, {wall}}, {}, seed, 1000);
+  tally.print("pillar");
+}
+
+TEST(LineExtractor, FindsADoorwayAndItsTwoSides) {
+  const std::uint64_t seed = 161;
+  SCOPED_TRACE(::testing::Message() << "seed " << seed);
+  for (const bool behind : {true, false}) {
+    JumpTally tally;
+    for (int place = 0; place < 10; ++place) {
+      const double half = 0.2 + 0.0004 * place;
+      Scene scene;
+      scene.walls = {{{1.2, -3}, {1.2, -half}, 0.8, {}}, {{1.2, half}, {1.2, 3}, 0.8, {}}};
+      if (behind) scene.walls.push_back({{2, -3}, {2, 3}, 0.8, {}});
+      const InverseLine front = line_of({}, scene.walls[0]);
+      std::vector<JumpTally::Truth> truths{{front}, {front}};
+      if (behind) truths.insert(truths.begin() + 1, {line_of({}, scene.walls[2])});
+      tally.run(LepRig(scene), truths, {{-half, 1.2}, {half, 1.2}},
+                seed + static_cast<std::uint64_t>(place), 150);
+    }
+    tally.print(behind ? "doorway" : "empty doorway");
+  }
+}
+
+TEST(LineExtractor, DISABLED_Walls) {
+  for (const double range : {0.45, 0.7, 1.0})
+    for (int rays : {1, 9})
+      for (double left : {-3., 0.05})
+        for (double right : {0.05, 3.}) {
+          if (left >= right) continue;
+          JumpTally tally;
+          Scene scene;
+          scene.walls = {{{range, left}, {range, right}, 0.8, {}}};
+          LepRig rig(scene);
+          rig.options.beam.rays = rays;
+          tally.run(rig, {{line_of({}, scene.walls[0])}}, {}, 7, 2000);
+          std::printf("%g %d %g %g", range, rays, left, right);
+          tally.print("wall");
+        }
+}
+
+TEST(LineExtractor, DISABLED_JumpsByRange) {
+  for (const double range : {0.45, 0.55, 0.7, 1.0, 1.4}) {
+    for (const double behind : {0.1, 0.4}) {
+      JumpTally left, right;
+      for (int place = 0; place < 10; ++place) {
+        const double at = 0.05 + 0.0003 * place;
+        for (const bool near_left : {true, false}) {
+          Scene scene;
+          const double a = near_left ? range : range + behind;
+          const double b = near_left ? range + behind : range;
+          scene.walls = {{{a, -3}, {a, at}, 0.8, {}}, {{b, at}, {b, 3}, 0.8, {}}};
+          (near_left ? left : right)
+              .run(LepRig(scene), {{line_of({}, scene.walls[0])}, {line_of({}, scene.walls[1])}},
+                   {{at, range}}, 7 + static_cast<std::uint64_t>(place), 100);
+        }
+      }
+      std::printf("%g + %g ", range, behind);
+      left.print("left");
+      right.print("right");
+    }
+  }
+}
+
 }  // namespace
 }  // namespace ilss
