@@ -112,25 +112,36 @@ struct JumpInterval {
   double width;
 };
 
+/// Readings at a jump, from the nearer surface outwards: the last one that its line was fitted to,
+/// the last that is of it, and the first that is of the farther surface.
+struct JumpReadings {
+  std::size_t clean, nearer, farther;
+};
+
 /// The last reading that is of the nearer surface has more light of that one, and the first that is
 /// of the farther one has more of the other: between these two the nearer surface ends. Where
-/// readings are missing, nothing mixes: then its last light is that of the beam's inner edge.
-JumpInterval jump_interval(std::span<const RangeReading> readings, std::size_t nearer,
-                           std::size_t farther, double beam_width) {
-  const bool forward = farther > nearer;
+/// readings are missing, nothing mixes: the last one before them has light of the beam's inner
+/// edge, and the next has none.
+JumpInterval jump_interval(std::span<const RangeReading> readings, const JumpReadings& at,
+                           double beam_width) {
+  const bool forward = at.farther > at.clean;
   const auto outwards = [&](std::size_t i) { return forward ? i + 1 : i - 1; };
   const double step =
-      readings[nearer].bearing - readings[forward ? nearer - 1 : nearer + 1].bearing;
-  constexpr double missing = 1.5;  // steps
-  std::size_t last = nearer;
-  while (last != farther && std::abs(readings[outwards(last)].bearing - readings[last].bearing) <=
-                                missing * std::abs(step))
-    last = outwards(last);
+      readings[at.clean].bearing - readings[forward ? at.clean - 1 : at.clean + 1].bearing;
+  const auto walk = [&](std::size_t from, std::size_t to) {
+    constexpr double missing = 1.5;  // steps
+    while (from != to && std::abs(readings[outwards(from)].bearing - readings[from].bearing) <=
+                             missing * std::abs(step))
+      from = outwards(from);
+    return from;
+  };
+  const std::size_t nearer = walk(at.clean, at.nearer);
+  const std::size_t last = nearer == at.nearer ? walk(nearer, at.farther) : nearer;
   const RangeReading& reading = readings[nearer];
   const double width = readings[last].bearing - reading.bearing;
-  if (last == farther) return {&reading, width / 2, width};
+  if (last == at.farther) return {&reading, width / 2, width};
   const double half_beam = std::copysign(beam_width * reading.inverse_range / 2, step);
-  return {&reading, (width + step) / 2 - half_beam, width + step};
+  return {&reading, width + step / 2 - half_beam, step};
 }
 
 }  // namespace
@@ -233,9 +244,10 @@ void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& a
   const FittedSegment& nearer = before_is_nearer ? before : after;
   const std::size_t end = before.last + before.mixed_after;
   const std::size_t begin = after.first - after.mixed_before;
-  const JumpInterval jump =
-      before_is_nearer ? jump_interval(readings, end, begin, scan_.value[beam_width_component])
-                       : jump_interval(readings, begin, end, scan_.value[beam_width_component]);
+  const JumpInterval jump = jump_interval(readings,
+                                          before_is_nearer ? JumpReadings{before.last, end, begin}
+                                                           : JumpReadings{after.first, begin, end},
+                                          scan_.value[beam_width_component]);
   Eigen::Matrix<double, 6, 1> values = Eigen::Matrix<double, 6, 1>::Zero();
   values.head<2>() << nearer.fit.line.x, nearer.fit.line.z;
   const auto v = variables<6>(values);  // the line, the bearing, the mount

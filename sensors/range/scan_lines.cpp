@@ -160,7 +160,7 @@ void ScanLines::settle_end(FittedSegment& first, FittedSegment& second) {
   const RangeReading& last = readings_[before.end - 1 - mixed_before];
   const RangeReading& next = readings_[after.begin + mixed_after];
   const double jump = std::min(std::abs(difference(last, a, b)), std::abs(difference(next, a, b)));
-  if (both_lines && jump < clearly * std::max(last.deviation, next.deviation)) {
+  if (both_lines && jump < clearly * std::min(last.deviation, next.deviation)) {
     second.meets_before = before.end == after.begin;
     return;
   }
