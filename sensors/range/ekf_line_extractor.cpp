@@ -230,8 +230,9 @@ void EkfLineExtractor::cluster() {
       const Eigen::Matrix2d gain = other.covariance * sum.inverse();
       const PolarLine mean =
           normalised({other.state + gain * difference, other.covariance - gain * other.covariance});
+      const std::size_t readings = known.fit.readings + segment.fit.readings;
       known.fit = in_scan_frame(mean, RangeReading{}, 0);
-      known.fit.readings += segment.fit.readings;
+      known.fit.readings = readings;
       known.last = segment.last;
       known.runs.push_back(segment.runs.front());
       joined = true;

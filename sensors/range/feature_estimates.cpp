@@ -11,6 +11,7 @@ namespace {
 
 constexpr Eigen::Index scan_size = dimension_of<RangeScan>;
 constexpr Eigen::Index mount_size = 3;
+constexpr std::size_t beam_width_component = dimension_of<RangeScan> - 1;
 
 /// The sources that belong to a segment: its fit's noise, what a line's rho departs from first
 /// order, and where within a ray's step its two ends lie.
@@ -103,6 +104,46 @@ double inverse_range_at(const RangeReading& r, const InverseLine& m) {
          (1 - m.x * r.origin_x - m.z * r.origin_z);
 }
 
+/// Where the nearer surface ends at a jump: the bearing from a reading's ray to the middle of the
+/// interval that holds the end, and the interval's width (rad).
+struct JumpInterval {
+  const RangeReading* reading;
+  double middle;
+  double width;
+};
+
+/// Readings at a jump, from the nearer surface outwards: the last one that its line was fitted to,
+/// the last that is of it, and the first that is of the farther surface.
+struct JumpReadings {
+  std::size_t clean, nearer, farther;
+};
+
+/// The last reading that is of the nearer surface has more light of that one, and the first that is
+/// of the farther one has more of the other: between these two the nearer surface ends. Where
+/// readings are missing, nothing mixes: the last one before them has light of the beam's inner
+/// edge, and the next has none.
+JumpInterval jump_interval(std::span<const RangeReading> readings, const JumpReadings& at,
+                           double beam_width) {
+  const bool forward = at.farther > at.clean;
+  const auto outwards = [&](std::size_t i) { return forward ? i + 1 : i - 1; };
+  const double step =
+      readings[at.clean].bearing - readings[forward ? at.clean - 1 : at.clean + 1].bearing;
+  const auto walk = [&](std::size_t from, std::size_t to) {
+    constexpr double missing = 1.5;  // steps
+    while (from != to && std::abs(readings[outwards(from)].bearing - readings[from].bearing) <=
+                             missing * std::abs(step))
+      from = outwards(from);
+    return from;
+  };
+  const std::size_t nearer = walk(at.clean, at.nearer);
+  const std::size_t last = nearer == at.nearer ? walk(nearer, at.farther) : nearer;
+  const RangeReading& reading = readings[nearer];
+  const double width = readings[last].bearing - reading.bearing;
+  if (last == at.farther) return {&reading, width / 2, width};
+  const double half_beam = std::copysign(beam_width * reading.inverse_range / 2, step);
+  return {&reading, width + step / 2 - half_beam, step};
+}
+
 }  // namespace
 
 FeatureWriter::FeatureWriter(const Evaluation& evaluation, const Estimate& scan, Output& output)
@@ -168,7 +209,7 @@ void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& a
   if (before.arc || after.arc) return;
   const std::size_t second = segments_ - 1;
   const std::size_t first = segments_ - 2;
-  if (before.last + 1 == after.first) {
+  if (after.meets_before) {
     // m1 · x = 1 and m2 · x = 1.
     Eigen::Vector4d values(before.fit.line.x, before.fit.line.z, after.fit.line.x,
                            after.fit.line.z);
@@ -197,30 +238,25 @@ void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& a
     add_noise(by_fits.rightCols<2>(), after.fit.covariance, second);
     return;
   }
-  // A jump: the nearer surface ends somewhere between its last clean ray and the first ray that
-  // may have missed it altogether.
-  const RangeReading& last = readings[before.last];
   const RangeReading& opposite = readings[after.first];
   const bool before_is_nearer =
       inverse_range_at(opposite, before.fit.line) > inverse_range_at(opposite, after.fit.line);
   const FittedSegment& nearer = before_is_nearer ? before : after;
-  const RangeReading& clean = before_is_nearer ? last : opposite;
-  const std::size_t index = before_is_nearer ? before.last : after.first;
-  const std::size_t inwards = before_is_nearer ? index - 1 : index + 1;
-  const double step = clean.bearing - readings[inwards].bearing;
-  const std::size_t between = after.first - before.last;
-  const std::size_t mixed = before_is_nearer ? before.mixed_after : after.mixed_before;
-  const auto steps = static_cast<double>(std::min(between, mixed + 1));
-  const double interval = step * steps;
+  const std::size_t end = before.last + before.mixed_after;
+  const std::size_t begin = after.first - after.mixed_before;
+  const JumpInterval jump = jump_interval(readings,
+                                          before_is_nearer ? JumpReadings{before.last, end, begin}
+                                                           : JumpReadings{after.first, begin, end},
+                                          scan_.value[beam_width_component]);
   Eigen::Matrix<double, 6, 1> values = Eigen::Matrix<double, 6, 1>::Zero();
   values.head<2>() << nearer.fit.line.x, nearer.fit.line.z;
   const auto v = variables<6>(values);  // the line, the bearing, the mount
   using T = Dual<6>;
-  const Ray<T> ray(clean, v[3], v[4], v[5] + v[2] + interval / 2);
+  const Ray<T> ray(*jump.reading, v[3], v[4], v[5] + v[2] + jump.middle);
   const Point<T> place = meet_line(ray, v[0], v[1]);
   Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
   noise.topLeftCorner<2, 2>() = nearer.fit.covariance;
-  noise(2, 2) = interval * interval / 12;  // uniform
+  noise(2, 2) = jump.width * jump.width / 12;  // uniform
   Eigen::Matrix<double, 3, scan_dependences> by_scan =
       Eigen::Matrix<double, 3, scan_dependences>::Zero();
   by_scan.topRows<2>() = nearer.fit.by_scan;

@@ -68,7 +68,7 @@ void LineSegmentation::break_before_last(const LineInformationSums& sums) {
   gaps_.push_back(last);
 }
 
-bool LineSegmentation::after_gap(std::size_t begin) const {
+bool LineSegmentation::is_behind_gap(std::size_t begin) const {
   return std::binary_search(gaps_.begin(), gaps_.end(), begin);
 }
 
@@ -79,7 +79,7 @@ bool LineSegmentation::refine_once(const LineInformationSums& sums) {
   refined_.clear();
   for (const ReadingRun& run : runs_) {
     ReadingRun rest = run;
-    if (!refined_.empty() && !after_gap(rest.begin)) {
+    if (!refined_.empty() && !is_behind_gap(rest.begin)) {
       ReadingRun& before = refined_.back();
       const Split split = best_split(sums, before.begin, rest.end);
       const double now = cost(sums, before.begin, before.end) + cost(sums, rest.begin, rest.end);
@@ -114,7 +114,7 @@ bool LineSegmentation::remove_middles(const LineInformationSums& sums) {
   for (std::size_t i = 1; i + 1 < runs_.size();) {
     const std::size_t begin = runs_[i - 1].begin;
     const std::size_t end = runs_[i + 1].end;
-    if (after_gap(runs_[i].begin) || after_gap(runs_[i + 1].begin)) {
+    if (is_behind_gap(runs_[i].begin) || is_behind_gap(runs_[i + 1].begin)) {
       ++i;
       continue;
     }

@@ -42,6 +42,9 @@ class LineSegmentation {
   /// The runs so far, the open one last. Runs of fewer than `least_readings` are no segments.
   const std::vector<ReadingRun>& runs() const { return runs_; }
 
+  /// Whether the run that begins at a reading was begun by `break_before_last`.
+  bool is_behind_gap(std::size_t begin) const;
+
   /// Moves, removes and adds ends of segments while that lowers the cost: chi² of all segments,
   /// their evidence, and the outliers' cost. What the recursion decided on a few readings is
   /// decided here on all; gaps stay.
@@ -57,7 +60,6 @@ class LineSegmentation {
     double cost;
   };
   Split best_split(const LineInformationSums& sums, std::size_t begin, std::size_t end) const;
-  bool after_gap(std::size_t begin) const;
   bool refine_once(const LineInformationSums& sums);
   bool remove_middles(const LineInformationSums& sums);
 

@@ -83,6 +83,7 @@ FittedSegment& ScanLines::new_segment() {
   segment.arc.reset();
   segment.mixed_before = 0;
   segment.mixed_after = 0;
+  segment.meets_before = false;
   return segment;
 }
 
@@ -95,8 +96,8 @@ bool ScanLines::joins(const FittedSegment& before, const ReadingRun& next,
   if (both.chi_squared() - information.chi_squared() - more.chi_squared() >=
       rule_.segmentation.evidence)
     return false;
-  if (next.begin != last + 1 && distance(readings_[last], readings_[next.begin]) > rule_.max_gap)
-    return false;
+  const bool apart = next.begin != last + 1 || segmentation_.is_behind_gap(next.begin);
+  if (apart && distance(readings_[last], readings_[next.begin]) > rule_.max_gap) return false;
   information = both;
   return true;
 }
@@ -132,7 +133,8 @@ std::size_t ScanLines::mixed_readings(std::size_t reading, std::size_t inwards) 
 /// the end, which may hold light of both. Either the lines meet there, a corner: then the readings
 /// up to their intersection belong to one and those behind it to the other; the lines, which all
 /// readings determine, tell that better than the few readings next to the end, whose noise the best
-/// end follows. Or the range jumps: then what may be mixed is left out.
+/// end follows. Or the range jumps, or nothing is there between: then what may be mixed is left
+/// out.
 void ScanLines::settle_end(FittedSegment& first, FittedSegment& second) {
   ReadingRun& before = first.runs.back();
   ReadingRun& after = second.runs.front();
@@ -146,10 +148,11 @@ void ScanLines::settle_end(FittedSegment& first, FittedSegment& second) {
   };
   const InverseLine a = clean_line(first, before.end - mixed_before, before.end);
   const InverseLine b = clean_line(second, after.begin, after.begin + mixed_after);
-  const bool both_lines = !first.arc && !second.arc;
+  const bool both_lines = !first.arc && !second.arc && !segmentation_.is_behind_gap(after.begin);
   if (both_lines && before.end == after.begin) {
     if (const auto corner = find_corner(before, after, a, b)) {
       before.end = after.begin = *corner;
+      second.meets_before = true;
       return;
     }
   }
@@ -157,7 +160,10 @@ void ScanLines::settle_end(FittedSegment& first, FittedSegment& second) {
   const RangeReading& last = readings_[before.end - 1 - mixed_before];
   const RangeReading& next = readings_[after.begin + mixed_after];
   const double jump = std::min(std::abs(difference(last, a, b)), std::abs(difference(next, a, b)));
-  if (both_lines && jump < clearly * std::max(last.deviation, next.deviation)) return;
+  if (both_lines && jump < clearly * std::min(last.deviation, next.deviation)) {
+    second.meets_before = before.end == after.begin;
+    return;
+  }
   before.end -= mixed_before;
   after.begin += mixed_after;
   first.mixed_after = mixed_before;

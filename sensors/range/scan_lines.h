@@ -29,6 +29,7 @@ struct FittedSegment {
   std::size_t last = 0;          ///< reading
   std::size_t mixed_before = 0;  ///< readings left out before it at a jump in range
   std::size_t mixed_after = 0;   ///< and behind it
+  bool meets_before = false;     ///< the segment before it, in a corner
 };
 
 /// Takes the readings of a scan one by one and tells its segments at the end; what ended on the way
