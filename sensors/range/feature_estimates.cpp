@@ -242,8 +242,17 @@ void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& a
   const bool before_is_nearer =
       inverse_range_at(opposite, before.fit.line) > inverse_range_at(opposite, after.fit.line);
   const FittedSegment& nearer = before_is_nearer ? before : after;
-  const std::size_t end = before.last + before.mixed_after;
-  const std::size_t begin = after.first - after.mixed_before;
+  // What is too weak to tell the one surface from the other belongs to neither.
+  const auto tells = [&](std::size_t i) {
+    constexpr double clearly = 3;  // standard deviations
+    return std::abs(inverse_range_at(readings[i], before.fit.line) -
+                    inverse_range_at(readings[i], after.fit.line)) >
+           clearly * readings[i].deviation;
+  };
+  std::size_t end = before.last + before.mixed_after;
+  while (end > before.last && !tells(end)) --end;
+  std::size_t begin = after.first - after.mixed_before;
+  while (begin < after.first && !tells(begin)) ++begin;
   const JumpInterval jump = jump_interval(readings,
                                           before_is_nearer ? JumpReadings{before.last, end, begin}
                                                            : JumpReadings{after.first, begin, end},

@@ -43,7 +43,7 @@ class LineExtractor final : public Module {
   static constexpr std::array faults = {FaultKind::bad_data, FaultKind::no_detection};
 
   struct Options {
-    ScanLinesRule rule;
+    ScanLinesRule rule = {};
     std::int64_t least_readings = 5;
     bool continuous = false;
     std::int64_t memory = 1;

@@ -106,16 +106,13 @@ TEST_P(Edge, IsTwoSegmentsWithTrueErrors) {
   SCOPED_TRACE(::testing::Message() << GetParam().name << ", seed " << seed);
   EdgeTally tally;
   tally.run(GetParam(), seed);
-  RecordProperty("exact", tally.exact);
-  std::printf("%s: exact %d, NEES %.3f start %.3f end %.3f corner %.3f (%d) ratio %.3f %.3f\n",
-              GetParam().name.c_str(), tally.exact, tally.lines.mean(), tally.starts.mean(),
-              tally.ends.mean(), tally.corners.mean(), tally.corner_count,
-              tally.square[0] / tally.batch_square[0], tally.square[1] / tally.batch_square[1]);
   EXPECT_GE(tally.exact, 0.995 * scans);
   EXPECT_NEAR(tally.lines.mean(), 1, 0.1);
   EXPECT_NEAR(tally.starts.mean(), 1, 0.1);
   EXPECT_NEAR(tally.ends.mean(), 1, 0.1);
   EXPECT_NEAR(tally.corners.mean(), 1, 0.1);
+  EXPECT_LT(std::max(tally.starts.unexplained(), tally.ends.unexplained()), 1e-3)
+      << "an end lies on its ray";
   EXPECT_GE(tally.corner_count, 0.99 * scans);
   for (int i = 0; i < 2; ++i)
     EXPECT_LE(tally.square[i], 1.1 * tally.batch_square[i]) << (i == 0 ? "rho" : "phi");
@@ -206,13 +203,6 @@ struct JumpTally {
       EXPECT_LE(jumps.mean(), 1.15);
       EXPECT_GE(jumps_in_ellipse, 0.93 * jump_count);
     }
-    print("");
-  }
-
-  void print(const char* name) const {
-    std::printf("%s: exact %.4f lines %.3f arcs %.3f jumps %.3f (%d) coverage %.3f\n", name,
-                static_cast<double>(exact) / scans_taken, lines.mean(), arcs.mean(), jumps.mean(),
-                jump_count, static_cast<double>(jumps_in_ellipse) / jump_count);
   }
 };
 
@@ -287,6 +277,61 @@ TEST(LineExtractor, JumpsAreWhereItSaysAtAnyRange) {
                                           << (near_left ? "left" : "right"));
         tally.expect_honest(0.99);
       }
+}
+
+ModuleRun edge_features(const LepRig& rig, std::uint64_t seed) {
+  LineExtractor extractor({});
+  return extract(extractor, rig.scan(seed));
+}
+
+TEST(LineExtractor, ACornerIsCorrelatedWithItsTwoLinesAndTheseAreNotWithEachOther) {
+  const ModuleRun result = edge_features(LepRig(edge_scene(1, 120 * degree)), 1);
+  ASSERT_TRUE(result.outcome);
+  const auto lines = elements_of<LineSegment>(result.output);
+  const auto edges = elements_of<RangeEdge>(result.output);
+  ASSERT_EQ(lines.size(), 2u);
+  ASSERT_EQ(edges.size(), 1u);
+  EXPECT_EQ(edges[0]->labels[0], static_cast<int>(EdgeKind::corner));
+  EXPECT_EQ(cross_covariance(lines[0]->lineage, lines[1]->lineage).norm(), 0);
+  const Eigen::Matrix2d corner = edges[0]->lineage.covariance();
+  for (const Estimate* line : lines) {
+    const Eigen::MatrixXd shared = cross_covariance(edges[0]->lineage, line->lineage);
+    const double scale = std::sqrt(corner.norm() * line->lineage.variance(0));
+    EXPECT_GT(shared.col(0).norm(), 0.05 * scale);
+    // A corner lies on its line: the error across the line is the line's own.
+    const double phi = line->value[1];
+    const Eigen::Vector2d normal(std::cos(phi), std::sin(phi));
+    const double along = std::cos(phi) * edges[0]->value[1] - std::sin(phi) * edges[0]->value[0];
+    const Eigen::MatrixXd covariance = line->lineage.covariance();
+    EXPECT_NEAR(normal.dot(corner * normal) / (covariance(0, 0) - 2 * along * covariance(0, 1) +
+                                               along * along * covariance(1, 1)),
+                1, 0.01);
+  }
+}
+
+// In the scan's frame lines are where they are, wherever the scanner stands in it.
+TEST(LineExtractor, AMountInAnotherPlaceGivesTheSameLines) {
+  const Scene scene = edge_scene(1, 120 * degree);
+  for (const auto& [x, z, turned] : {std::tuple(0.0, 0.0, 0.0), std::tuple(0.05, -0.03, 0.0),
+                                     std::tuple(-0.043, 0.06, 0.5), std::tuple(0.02, 0.1, -6.0)}) {
+    LepRig rig(scene);
+    rig.set_mount(x, z);
+    rig.sensor_parameters.value[6] = rig.ranging_parameters.value[6] = turned * degree;
+    const ModuleRun result = edge_features(rig, 3);
+    ASSERT_TRUE(result.outcome);
+    const auto lines = elements_of<LineSegment>(result.output);
+    ASSERT_EQ(lines.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const NormalizedError error = error_of(*lines[i], 0, rho_phi(line_of({}, scene.walls[i])));
+      EXPECT_LT(error.value, chi_square_quantile(2, 0.9999)) << x << " " << z << " " << turned;
+    }
+  }
+}
+
+TEST(LineExtractor, EveryOutputIsFinite) {
+  const ModuleRun result = edge_features(LepRig(edge_scene(1, 120 * degree)), 5);
+  ASSERT_TRUE(result.outcome);
+  EXPECT_TRUE(all_finite(result.output));
 }
 
 }  // namespace
