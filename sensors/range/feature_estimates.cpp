@@ -238,6 +238,10 @@ void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& a
     add_noise(by_fits.rightCols<2>(), after.fit.covariance, second);
     return;
   }
+  // Where many readings between the two belong to neither, something else stands there.
+  constexpr std::size_t most_outliers = 4;
+  if (after.first - before.last > before.mixed_after + after.mixed_before + most_outliers + 1)
+    return;
   const RangeReading& opposite = readings[after.first];
   const bool before_is_nearer =
       inverse_range_at(opposite, before.fit.line) > inverse_range_at(opposite, after.fit.line);

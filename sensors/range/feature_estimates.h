@@ -21,7 +21,8 @@ class FeatureWriter {
   void add(const FittedSegment& segment, std::span<const RangeReading> readings,
            bool is_open = false);
   /// Adds the edge between two neighbours that were added last, if there is one: the corner in
-  /// which two lines meet, or the end of the nearer line at a jump.
+  /// which two lines meet, or the end of the nearer line at a jump; not where readings that belong
+  /// to neither lie between.
   void add_edge(const FittedSegment& before, const FittedSegment& after,
                 std::span<const RangeReading> readings);
   /// Completes the output.

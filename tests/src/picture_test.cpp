@@ -363,7 +363,7 @@ TEST(DocumentedPictures, AreWhatTheCommandsBesideThemDraw) {
       std::filesystem::remove(drawn);
     }
   }
-  EXPECT_EQ(pictures, 3);
+  EXPECT_GE(pictures, 4);
 }
 
 }  // namespace
