@@ -39,7 +39,23 @@ std::string correlations_text(const Estimate& estimate) {
                           components[static_cast<std::size_t>(i)].name,
                           components[static_cast<std::size_t>(j)].name, covariance(i, j) / scale);
     }
-  return text.empty() ? text : text + "\n";
+  if (!text.empty()) text += "\n";
+  if (estimate.correlation_unknown) text += "  correlation  with other estimates unknown\n";
+  return text;
+}
+
+std::string heading_text(const Estimate& estimate) {
+  return estimate.type->name + (estimate.frame.empty() ? "" : " in frame " + estimate.frame);
+}
+
+std::string labels_text(const Estimate& estimate) {
+  std::string text;
+  for (std::size_t i = 0; i < estimate.type->labels.size(); ++i) {
+    const Label& label = estimate.type->labels[i];
+    text += fmt::format("  {:<12} {}\n", label.name,
+                        label.values[static_cast<std::size_t>(estimate.labels[i])]);
+  }
+  return text;
 }
 
 }  // namespace
@@ -94,16 +110,31 @@ double corrected_deviation(const Estimate& estimate, const VerdictReport& verdic
       std::max(0.0, estimate.lineage.variance(component) + verdict.extra_variance[component]));
 }
 
+bool has_parts(const PayloadDescriptor& payload) {
+  return !payload.element.empty() || payload.samples.has_value();
+}
+
+std::string exact_or_quantity_text(const Estimate& estimate, std::size_t component) {
+  const std::string& unit = estimate.type->components[component].unit;
+  const double deviation = estimate.lineage.standard_deviation(component);
+  if (deviation > 0) return quantity_text(estimate.value[component], deviation, unit);
+  const ReadingUnit reading = reading_unit(unit);
+  return fmt::format("{:.6g}{}{}", estimate.value[component] * reading.factor,
+                     reading.name.empty() ? "" : " ", reading.name);
+}
+
 std::string estimate_text(const Estimate& estimate, const VerdictReport& verdict) {
-  std::string text = estimate.type->name;
-  if (!estimate.frame.empty()) text += fmt::format(" in frame {}", estimate.frame);
+  std::string text = heading_text(estimate);
   text += fmt::format(", {}{}{}\n", verdict_name(verdict.verdict),
                       verdict.reason.empty() ? "" : ": ", verdict.reason);
+  const bool plain_if_exact = has_parts(*estimate.type);
   for (std::size_t i = 0; i < estimate.dimension(); ++i) {
     const Component& component = estimate.type->components[i];
     text += fmt::format(
         "  {:<12} {}", component.name,
-        quantity_text(estimate.value[i], estimate.lineage.standard_deviation(i), component.unit));
+        plain_if_exact ? exact_or_quantity_text(estimate, i)
+                       : quantity_text(estimate.value[i], estimate.lineage.standard_deviation(i),
+                                       component.unit));
     if (i < verdict.components.size() && verdict.components[i] != Verdict::linear_ok)
       text += fmt::format("   ({}{} {})", verdict_name(verdict.components[i]),
                           verdict.components[i] == Verdict::second_order ? ":" : ": second order",
@@ -111,14 +142,15 @@ std::string estimate_text(const Estimate& estimate, const VerdictReport& verdict
                                         corrected_deviation(estimate, verdict, i), component.unit));
     text += "\n";
   }
-  for (std::size_t i = 0; i < estimate.type->labels.size(); ++i) {
-    const Label& label = estimate.type->labels[i];
-    text += fmt::format("  {:<12} {}\n", label.name,
-                        label.values[static_cast<std::size_t>(estimate.labels[i])]);
-  }
-  text += correlations_text(estimate);
-  if (estimate.correlation_unknown) text += "  correlation  with other estimates unknown\n";
-  return text;
+  return text + labels_text(estimate) + correlations_text(estimate);
+}
+
+std::string element_text(const Estimate& element) {
+  std::string text = heading_text(element) + "\n";
+  for (std::size_t i = 0; i < element.dimension(); ++i)
+    text += fmt::format("  {:<12} {}\n", element.type->components[i].name,
+                        exact_or_quantity_text(element, i));
+  return text + labels_text(element) + correlations_text(element);
 }
 
 std::string budget_text(const Estimate& estimate, const SourceOwners& owners) {

@@ -26,12 +26,20 @@ std::string decimal_text(double value, int places);
 std::string quantity_text(double value, const std::string& si_unit);
 std::string quantity_text(double value, double standard_deviation, const std::string& si_unit);
 
+/// Whether an output is samples or a set; exact ones among its components then only describe these.
+bool has_parts(const PayloadDescriptor& payload);
+
+/// A component's value with its standard deviation, or alone where it is exact: "119".
+std::string exact_or_quantity_text(const Estimate& estimate, std::size_t component);
+
 /// A component's standard deviation to second order.
 double corrected_deviation(const Estimate& estimate, const VerdictReport& verdict,
                            std::size_t component);
 
 /// Components with standard deviations, correlations, labels and the verdict, as lines.
 std::string estimate_text(const Estimate& estimate, const VerdictReport& verdict);
+/// The same of an element of a set, which no verdict is on.
+std::string element_text(const Estimate& element);
 
 /// Who is to blame for how much of each component's variance, largest share first.
 std::string budget_text(const Estimate& estimate, const SourceOwners& owners);

@@ -5,6 +5,7 @@
 #include "src/estimate_json.h"
 #include "src/estimate_text.h"
 #include "src/session.h"
+#include "src/set_text.h"
 
 namespace ilss {
 namespace {
@@ -166,6 +167,7 @@ void print_result(const Arguments& arguments, const Plan& plan, const System& sy
     fmt::print("{}", estimate_text(estimate, verdicts.front()));
     const std::string shares = budget_text(estimate, plan.owners);
     if (!shares.empty()) fmt::print("share of the variance\n{}", shares);
+    fmt::print("{}", parts_text(state.output, plan.nodes[node].name, plan.owners));
   } else if (state.outcome.is_fault()) {
     fmt::print("fault {}: {}\n", fault_name(state.outcome.fault().kind),
                state.outcome.fault().message);

@@ -11,6 +11,7 @@
 #include "src/estimate_text.h"
 #include "src/prediction_text.h"
 #include "src/session.h"
+#include "src/set_text.h"
 
 namespace ilss {
 namespace {
@@ -126,6 +127,7 @@ void print_text(const Arguments& arguments, const Prediction& prediction) {
       fmt::print("{}", budget_tables_text(estimate, plan.owners));
     else if (!shares.empty())
       fmt::print("share of the variance\n{}", shares);
+    fmt::print("{}", parts_text(state.output, plan.nodes[plan.outputs[o]].name, plan.owners));
   }
   for (const UnknownCorrelation& unknown : plan.unknown_correlations)
     fmt::print("note: {}\n", describe(unknown, plan));

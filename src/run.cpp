@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 
@@ -16,7 +17,10 @@
 #include "src/command_report.h"
 #include "src/estimate_json.h"
 #include "src/estimate_text.h"
+#include "src/picture.h"
+#include "src/picture_svg.h"
 #include "src/session.h"
+#include "src/set_text.h"
 
 namespace ilss {
 namespace {
@@ -26,6 +30,8 @@ volatile std::sig_atomic_t interrupted = 0;
 /// Where no --ticks is given, a run without end stops here.
 constexpr std::int64_t default_ticks = 1000;
 constexpr double longest_period = 1e6;  // s
+constexpr double least_picture_scale = 1e-3;
+constexpr double most_picture_scale = 1e6;
 
 /// Outputs up to this number are shown one by one at every tick; more are counted.
 constexpr std::size_t most_outputs_shown = 4;
@@ -38,6 +44,8 @@ struct Arguments {
   std::string period = "100 ms";
   std::uint64_t seed = 1;
   std::string profile;
+  std::string picture;
+  double picture_scale = 1;
   bool json = false;
   bool quiet = false;
 };
@@ -50,6 +58,7 @@ struct OutputSummary {
   std::uint64_t outputs = 0;
   VerdictCounts verdicts = {};
   std::vector<double> variance_sum;
+  SetSummary elements = {};  ///< of a set
 };
 
 /// Leaves the run after the tick at the first Ctrl-C; the second ends the command, so that a run
@@ -115,16 +124,27 @@ std::string output_text(const System& system, std::size_t node, Verdict verdict)
                        state.outcome.fault().message);
   if (!state.outcome.has_output()) return "pending";
   const Estimate& estimate = state.output.estimate;
-  std::string text;
-  for (std::size_t i = 0; i < estimate.dimension(); ++i) {
-    const Component& component = estimate.type->components[i];
-    text += fmt::format(
-        "{}{} {}", i == 0 ? "" : " ", component.name,
-        quantity_text(estimate.value[i], estimate.lineage.standard_deviation(i), component.unit));
+  std::string text = samples_text(state.output);
+  if (has_parts(*estimate.type)) {
+    text += (text.empty() ? "" : "  ") + component_line(estimate);
+  } else {
+    for (std::size_t i = 0; i < estimate.dimension(); ++i) {
+      const Component& component = estimate.type->components[i];
+      text += fmt::format(
+          "{}{} {}", i == 0 ? "" : " ", component.name,
+          quantity_text(estimate.value[i], estimate.lineage.standard_deviation(i), component.unit));
+    }
   }
   if (verdict != Verdict::linear_ok)
     text += fmt::format("  {} {}", verdict == Verdict::invalid ? '!' : '~', verdict_name(verdict));
   return text;
+}
+
+/// The elements of an output that is a set, below its line.
+void print_elements(const System& system, std::size_t node, const std::string& indent) {
+  const NodeState& state = system.node(node);
+  if (state.outcome.has_output() && !state.output.estimate.type->element.empty())
+    fmt::print("{}", elements_text(state.output.elements, indent));
 }
 
 /// "22 of 24 outputs (3 second_order)".
@@ -147,6 +167,7 @@ void print_tick(const System& system, double time, const std::vector<VerdictRepo
   const std::string when = fmt::format("{:>6} {:>9.3f} s", system.ticks() - 1, time);
   if (plan.outputs.size() == 1) {
     fmt::print("{}  {}\n", when, output_text(system, plan.outputs[0], verdicts[0].verdict));
+    print_elements(system, plan.outputs[0], std::string(20, ' '));
     return;
   }
   if (plan.outputs.size() > most_outputs_shown) {
@@ -154,9 +175,11 @@ void print_tick(const System& system, double time, const std::vector<VerdictRepo
     return;
   }
   fmt::print("{}\n", when);
-  for (std::size_t o = 0; o < plan.outputs.size(); ++o)
+  for (std::size_t o = 0; o < plan.outputs.size(); ++o) {
     fmt::print("         {:<20} {}\n", plan.nodes[plan.outputs[o]].name,
                output_text(system, plan.outputs[o], verdicts[o].verdict));
+    print_elements(system, plan.outputs[o], std::string(30, ' '));
+  }
 }
 
 void print_commands(const Runner& runner, double time) {
@@ -174,6 +197,8 @@ void observe_outputs(const System& system, const std::vector<VerdictReport>& ver
     summaries[o].variance_sum.resize(state.output.estimate.dimension(), 0.0);
     for (std::size_t i = 0; i < summaries[o].variance_sum.size(); ++i)
       summaries[o].variance_sum[i] += state.output.estimate.lineage.variance(i);
+    if (!state.output.estimate.type->element.empty())
+      summaries[o].elements.add(state.output.elements);
   }
 }
 
@@ -189,23 +214,36 @@ std::string fault_counts_text(const OutcomeCounts& counts) {
   return text.empty() ? "-" : text;
 }
 
+/// "x 1.2 mm, phi 0.3 deg": root mean squares; of samples and sets, what is exact is left out.
+std::string stated_text(const OutputSummary& summary, const PayloadDescriptor& payload) {
+  std::string stated;
+  for (std::size_t i = 0; i < summary.variance_sum.size(); ++i) {
+    if (has_parts(payload) && summary.variance_sum[i] <= 0) continue;
+    const Component& component = payload.components[i];
+    stated += fmt::format(
+        "{}{} {}", stated.empty() ? "" : ", ", component.name,
+        quantity_text(std::sqrt(summary.variance_sum[i] / static_cast<double>(summary.outputs)),
+                      component.unit));
+  }
+  const std::string not_linear = verdict_counts_text(summary.verdicts);
+  if (!not_linear.empty()) stated += fmt::format("   ({})", not_linear);
+  return stated.empty() && has_parts(payload) ? "-" : stated;
+}
+
 void print_outputs(const Runner& runner, const std::vector<OutputSummary>& summaries) {
   const Plan& plan = runner.system().plan();
+  const auto row = [](const std::string& name, std::uint64_t count, const std::string& faults,
+                      const std::string& stated) {
+    fmt::print("{:<20} {:>8}  {:<40} {}\n", name, count, faults, stated);
+  };
   fmt::print("\n{:<20} {:>8}  {:<40} stated std (root mean square)\n", "output", "outputs",
              "faults");
   for (std::size_t o = 0; o < summaries.size(); ++o) {
     const std::size_t node = plan.outputs[o];
-    const auto& components = plan.nodes[node].interface.output->components;
-    std::string stated;
-    for (std::size_t i = 0; i < summaries[o].variance_sum.size(); ++i)
-      stated += fmt::format("{}{} {}", i == 0 ? "" : ", ", components[i].name,
-                            quantity_text(std::sqrt(summaries[o].variance_sum[i] /
-                                                    static_cast<double>(summaries[o].outputs)),
-                                          components[i].unit));
-    const std::string not_linear = verdict_counts_text(summaries[o].verdicts);
-    if (!not_linear.empty()) stated += fmt::format("   ({})", not_linear);
-    fmt::print("{:<20} {:>8}  {:<40} {}\n", plan.nodes[node].name, summaries[o].outputs,
-               fault_counts_text(runner.outcomes(node)), stated);
+    row(plan.nodes[node].name, summaries[o].outputs, fault_counts_text(runner.outcomes(node)),
+        stated_text(summaries[o], *plan.nodes[node].interface.output));
+    for (const SetSummary::Entry& entry : summaries[o].elements.entries())
+      row("  " + entry.type->name, entry.count, "", summary_text(entry, summaries[o].outputs));
   }
 }
 
@@ -274,17 +312,50 @@ double read_period(const std::string& text) {
   return std::get<double>(period);
 }
 
-/// Finds out before a run whether its profile can be written, and leaves a file as it is.
-void check_profile_file(const std::string& path) {
+void check_picture_scale(double scale) {
+  if (!(scale >= least_picture_scale && scale <= most_picture_scale))
+    fail(exit_bad_input, fmt::format("--picture-scale must be from {:g} to {:.0f}",
+                                     least_picture_scale, most_picture_scale));
+}
+
+/// Finds out before a run whether an option's file can be written, and leaves all as it is.
+void check_file(const std::string& option, const std::string& path) {
+  std::error_code ignored;
+  const bool is_new = !std::filesystem::exists(path, ignored);
   if (!std::ofstream(path, std::ios::app))
     fail(exit_bad_input,
-         fmt::format("--profile: cannot write '{}': {}", path, std::strerror(errno)));
+         fmt::format("{}: cannot write '{}': {}", option, path, std::strerror(errno)));
+  if (is_new) std::filesystem::remove(path, ignored);
+}
+
+CLI::Validator file_name() {
+  return {[](const std::string& file) -> std::string {
+            return file.empty() ? "the file's name is empty" : "";
+          },
+          ""};
 }
 
 void write_profile_file(const std::string& path, const Runner& runner) {
   std::ofstream file(path);
   write_profile(runner.profile(), file);
   if (!file.flush()) fail(exit_failed, fmt::format("cannot write the profile '{}'", path));
+}
+
+/// Writes the picture of the last tick that had something to draw.
+int write_picture_file(const Arguments& arguments, const std::optional<Picture>& picture) {
+  if (!picture) {
+    fmt::print(stderr,
+               "ilss: --picture: nothing that the run gave has a place in a plane: no range scan, "
+               "segment, arc, edge or point\n");
+    return exit_failed;
+  }
+  for (const std::string& message : picture->left_out)
+    fmt::print(stderr, "ilss: --picture: {}\n", message);
+  std::ofstream file(arguments.picture, std::ios::binary);
+  file << picture_svg(*picture, arguments.picture_scale);
+  if (!file.flush())
+    fail(exit_failed, fmt::format("cannot write the picture '{}'", arguments.picture));
+  return exit_fine;
 }
 
 std::string ticks_text(std::int64_t ticks) {
@@ -294,16 +365,19 @@ std::string ticks_text(std::int64_t ticks) {
 int run(const Arguments& arguments, Session& session) {
   session.load_modules();
   const double period = read_period(arguments.period);
+  check_picture_scale(arguments.picture_scale);
   const std::int64_t most_ticks = arguments.ticks.value_or(default_ticks);
   const Plan plan = session.read_graph(arguments.graph, arguments.sets);
   const std::vector<ScheduledCommand> commands = read_commands(arguments.commands, plan);
-  if (!arguments.profile.empty()) check_profile_file(arguments.profile);
+  if (!arguments.profile.empty()) check_file("--profile", arguments.profile);
+  if (!arguments.picture.empty()) check_file("--picture", arguments.picture);
   Runner runner(plan, arguments.seed);
   for (const ScheduledCommand& command : commands) runner.schedule(command);
   Agreement agreement(plan);
   std::vector<OutputSummary> summaries(plan.outputs.size());
   end_run_at_interrupt();
   bool ended = false;
+  std::optional<Picture> picture;
   std::int64_t tick = 0;
   for (; (most_ticks == 0 || tick < most_ticks) && interrupted == 0; ++tick) {
     const double time = static_cast<double>(tick) * period;
@@ -314,6 +388,8 @@ int run(const Arguments& arguments, Session& session) {
     const std::vector<VerdictReport> verdicts = judge(runner.system());
     observe_outputs(runner.system(), verdicts, summaries);
     agreement.observe(runner.system());
+    if (!arguments.picture.empty())
+      if (auto drawn = picture_of(runner.system(), time)) picture = std::move(drawn);
     if (arguments.json)
       fmt::print("{}\n", json_text(tick_json(runner, time, verdicts), true));
     else if (!arguments.quiet)
@@ -341,7 +417,7 @@ int run(const Arguments& arguments, Session& session) {
     print_latency(runner);
   }
   if (!arguments.profile.empty()) write_profile_file(arguments.profile, runner);
-  return exit_fine;
+  return arguments.picture.empty() ? exit_fine : write_picture_file(arguments, picture);
 }
 
 }  // namespace
@@ -364,9 +440,16 @@ void add_run(CLI::App& app, Session& session) {
       ->capture_default_str();
   verb->add_option("--profile", arguments->profile, "Write the modules' measured times here")
       ->type_name("FILE")
-      ->check([](const std::string& file) -> std::string {
-        return file.empty() ? "the file's name is empty" : "";
-      });
+      ->check(file_name());
+  auto* picture = verb->add_option("--picture", arguments->picture,
+                                   "Draw the last tick: scans, segments, edges and points, as SVG")
+                      ->type_name("FILE")
+                      ->check(file_name());
+  verb->add_option("--picture-scale", arguments->picture_scale,
+                   "Draw errors so many times as large as they are")
+      ->type_name("N")
+      ->capture_default_str()
+      ->needs(picture);
   auto* quiet = verb->add_flag("--quiet", arguments->quiet, "Print the summary only");
   verb->add_flag("--json", arguments->json, "Print one JSON object a tick")->excludes(quiet);
   verb->callback([arguments, &session] { throw Exit{run(*arguments, session)}; });

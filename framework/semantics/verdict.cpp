@@ -289,7 +289,13 @@ class Judgement {
                          : "the components' errors together are not as their covariance says";
   }
 
-  VerdictReport report() && { return std::move(report_); }
+  /// An output without sources of error that no move or trial changes, such as a count, leaves
+  /// nothing to correct.
+  VerdictReport report() && {
+    if (judged_ && report_.verdict == Verdict::linear_ok && estimate_.lineage.empty() && still())
+      return {.verdict = Verdict::linear_ok, .piloted = report_.piloted};
+    return std::move(report_);
+  }
 
  private:
   static bool near(double coverage, double tolerance) {
@@ -347,6 +353,13 @@ class Judgement {
         std::abs(std::sqrt(pilot.covariance(i, i)) - corrected) <=
             pilot_tolerances.deviation * corrected;
     return as_corrected ? Verdict::second_order : Verdict::monte_carlo_required;
+  }
+
+  /// Whether no component's second order says anything.
+  bool still() const {
+    for (std::size_t c = 0; c < estimate_.dimension(); ++c)
+      if (report_.bias[c] != 0 || report_.extra_variance[c] != 0) return false;
+    return true;
   }
 
   const ProbedOutput& output_;

@@ -18,7 +18,8 @@ enum class Verdict {
 };
 std::string_view verdict_name(Verdict verdict);
 
-/// The verdict on one output and what it rests on, per component (SI units).
+/// The verdict on one output and what it rests on, per component (SI units); the latter is empty
+/// for an output that is exact and stays as it is whatever moves.
 struct VerdictReport {
   Verdict verdict = Verdict::linear_ok;  ///< at least as bad as the components'
   std::string reason = {};               ///< of a verdict that no component alone explains

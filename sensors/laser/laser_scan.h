@@ -4,7 +4,7 @@
 #include <span>
 
 #include "framework/estimate/payload.h"
-#include "framework/module/output.h"
+#include "framework/module/sample_rows.h"
 
 namespace ilss {
 
@@ -32,19 +32,12 @@ struct LaserScan {
   static SamplesDescriptor samples() { return {"SI", {"beam", "quantity"}}; }
 };
 
-inline constexpr std::size_t laser_beam_size = sizeof(LaserBeam) / sizeof(double);
-
 /// The beams of a scan's output.
-inline std::span<const LaserBeam> beams_of(const Output& scan) {
-  return {reinterpret_cast<const LaserBeam*>(scan.samples.values.data()),
-          scan.samples.values.size() / laser_beam_size};
-}
+inline std::span<const LaserBeam> beams_of(const Output& scan) { return rows_of<LaserBeam>(scan); }
 
 /// Room for `count` beams in a scan's output, to be written by the caller.
 inline std::span<LaserBeam> make_beams(Output& scan, std::size_t count) {
-  scan.samples.shape.assign({count, laser_beam_size});
-  scan.samples.values.resize(count * laser_beam_size);
-  return {reinterpret_cast<LaserBeam*>(scan.samples.values.data()), count};
+  return make_rows<LaserBeam>(scan, count);
 }
 
 }  // namespace ilss

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "framework/estimate/payload.h"
-#include "framework/module/output.h"
+#include "framework/module/sample_rows.h"
 
 namespace ilss {
 
@@ -39,19 +39,14 @@ struct LepScan {
   static SamplesDescriptor samples() { return {"SI", {"reading", "quantity"}}; }
 };
 
-inline constexpr std::size_t lep_reading_size = sizeof(LepReading) / sizeof(double);
-
 /// The readings of a scan's output.
 inline std::span<const LepReading> lep_readings_of(const Output& scan) {
-  return {reinterpret_cast<const LepReading*>(scan.samples.values.data()),
-          scan.samples.values.size() / lep_reading_size};
+  return rows_of<LepReading>(scan);
 }
 
 /// Room for `count` readings in a scan's output, to be written by the caller.
 inline std::span<LepReading> make_lep_readings(Output& scan, std::size_t count) {
-  scan.samples.shape.assign({count, lep_reading_size});
-  scan.samples.values.resize(count * lep_reading_size);
-  return {reinterpret_cast<LepReading*>(scan.samples.values.data()), count};
+  return make_rows<LepReading>(scan, count);
 }
 
 }  // namespace ilss

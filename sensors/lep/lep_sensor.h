@@ -92,6 +92,7 @@ class LepSensor final : public Module {
 
   /// Where the vehicle is at a time: world axes, heading to the right.
   ScenePose vehicle(const Parameters<double>& parameters, double time) const;
+  const Scene& scene() const { return options_.scene.content; }
 
  private:
   /// The currents behind one reading: their sum and the sum of each times its image position.

@@ -8,9 +8,9 @@
 #include <string>
 #include <string_view>
 
+#include "framework/module/csv_file.h"
 #include "framework/module/module_type.h"
 #include "sensors/range/range_scan.h"
-#include "sensors/sonar/csv_file.h"
 
 namespace ilss {
 

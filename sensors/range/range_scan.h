@@ -6,7 +6,7 @@
 #include <span>
 
 #include "framework/estimate/payload.h"
-#include "framework/module/output.h"
+#include "framework/module/sample_rows.h"
 
 namespace ilss {
 
@@ -57,20 +57,14 @@ struct RangeScan {
   static SamplesDescriptor samples() { return {"SI", {"reading", "quantity"}}; }
 };
 
-/// The numbers of one reading, as the samples hold them.
-inline constexpr std::size_t range_reading_size = sizeof(RangeReading) / sizeof(double);
-
 /// The readings of a scan's output.
 inline std::span<const RangeReading> readings_of(const Output& scan) {
-  return {reinterpret_cast<const RangeReading*>(scan.samples.values.data()),
-          scan.samples.values.size() / range_reading_size};
+  return rows_of<RangeReading>(scan);
 }
 
 /// Room for `count` readings in a scan's output, to be written by the caller.
 inline std::span<RangeReading> make_readings(Output& scan, std::size_t count) {
-  scan.samples.shape.assign({count, range_reading_size});
-  scan.samples.values.resize(count * range_reading_size);
-  return {reinterpret_cast<RangeReading*>(scan.samples.values.data()), count};
+  return make_rows<RangeReading>(scan, count);
 }
 
 }  // namespace ilss

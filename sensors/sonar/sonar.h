@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "framework/module/csv_file.h"
 #include "framework/module/module_type.h"
 #include "sensors/scene/scene.h"
-#include "sensors/sonar/csv_file.h"
 #include "sensors/sonar/sonar_reading.h"
 
 namespace ilss {

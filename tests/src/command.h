@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -24,11 +25,12 @@ inline std::string text_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// A file of this test alone.
+/// A file of this test in this process alone, so that two builds can be tested at once.
 inline std::filesystem::path test_file(const std::string& name) {
   const auto* test = testing::UnitTest::GetInstance()->current_test_info();
   return std::filesystem::path(testing::TempDir()) /
-         (std::string("ilss_") + test->test_suite_name() + "_" + test->name() + "_" + name);
+         ("ilss_" + std::to_string(getpid()) + "_" + test->test_suite_name() + "_" + test->name() +
+          "_" + name);
 }
 
 /// `ilss ARGUMENTS` in the project's root; the arguments may redirect standard output.

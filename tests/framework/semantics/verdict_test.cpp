@@ -35,6 +35,13 @@ TEST(Verdict, LinearFunctionIsLinearOk) {
   EXPECT_NEAR(judged.report.bias[0], 0, 1e-12);
 }
 
+TEST(Verdict, ExactOutputIsLinearOkWithNothingToCorrect) {
+  const Judged judged("value: 1 m", "g: {type: gain, gain: 3}", "x, g");
+  EXPECT_EQ(judged.report.verdict, Verdict::linear_ok);
+  EXPECT_TRUE(judged.report.components.empty());
+  EXPECT_TRUE(judged.report.bias.empty());
+}
+
 TEST(Verdict, SquareAtZeroIsNotLinear) {
   const Judged judged("value: 0 m, value_std: 1 mm", "p: {type: product}", "combine: [x, x], p");
   EXPECT_EQ(judged.variance(), 0);

@@ -1,5 +1,5 @@
 // Recordings as CSV: cells, headers and what is wrong with a file.
-#include "sensors/sonar/csv_file.h"
+#include "framework/module/csv_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

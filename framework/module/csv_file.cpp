@@ -1,4 +1,4 @@
-#include "sensors/sonar/csv_file.h"
+#include "framework/module/csv_file.h"
 
 #include <fmt/format.h>
 
