@@ -23,6 +23,9 @@ std::optional<std::size_t> first_common(const Nodes& a, const Nodes& b) {
   return common.empty() ? std::nullopt : std::optional(common.front());
 }
 
+/// Whether random errors of earlier ticks live on in a node's output.
+bool remembers(const PlanNode& node) { return node.type->remembers && !node.interface.forgets; }
+
 /// Walks the plan, keeping for each node which blocks of joined errors its output may hold, and
 /// which origins' errors of this tick it holds as they are.
 class CorrelationSearch {
@@ -49,14 +52,14 @@ class CorrelationSearch {
       blocks_[i] = united(blocks_[i], blocks_[input]);
       direct_[i] = united(direct_[i], direct_[input]);
     }
-    if (node.type->remembers && !meets && !blocks_[i].empty()) {
+    if (remembers(node) && !meets && !blocks_[i].empty()) {
       const std::size_t earlier = blocks_[i].front();
       found_.push_back({i, earlier, earlier, origins_[earlier].front()});
       meets = true;
     }
     // Where unknown correlation meets, the output's error is a bound, and a block like the others.
     const bool severs = node.type->severs || meets;
-    if (!node.type->remembers && !severs) return;
+    if (!remembers(node) && !severs) return;
     origins_[i] = origins_of(i);
     blocks_[i] = {i};
     if (severs) direct_[i].clear();
@@ -118,7 +121,7 @@ class CorrelationSearch {
 
 std::vector<UnknownCorrelation> find_unknown_correlations(const Plan& plan) {
   const bool any = std::any_of(plan.nodes.begin(), plan.nodes.end(), [](const PlanNode& node) {
-    return node.type->remembers || node.type->severs;
+    return remembers(node) || node.type->severs;
   });
   if (!any) return {};
   return CorrelationSearch(plan).run();

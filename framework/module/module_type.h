@@ -33,6 +33,7 @@ struct Interface {
   std::string frame = {};
   std::optional<std::size_t> frame_of_input = {};
   bool draws_readings = false;  ///< a simulated sensor: its noise follows from the tick's seed
+  bool forgets = false;  ///< with these options nothing of earlier ticks lives on, if ever it does
 };
 
 /// A module's settings as read from a graph: its options and where relative paths start.

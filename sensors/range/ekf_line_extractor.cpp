@@ -167,7 +167,7 @@ void EkfLineExtractor::Options::declare(OptionVisitor& visit) {
         {.minimum = 0});
 }
 
-Interface EkfLineExtractor::interface() { return LineExtractor::interface(); }
+Interface EkfLineExtractor::interface() { return LineExtractor::interface({}); }
 
 void EkfLineExtractor::extract(std::span<const RangeReading> readings,
                                const RangeScan<double>& scan) {

@@ -23,10 +23,11 @@ void LineExtractor::Options::declare(OptionVisitor& visit) {
   visit.require(!continuous || memory == 1, "'memory' is for whole scans, not with 'continuous'");
 }
 
-Interface LineExtractor::interface() {
+Interface LineExtractor::interface(const Options& options) {
   return {.inputs = {{"scan", &descriptor<RangeScan>()}},
           .output = &descriptor<RangeFeatures>(),
-          .frame_of_input = 0};
+          .frame_of_input = 0,
+          .forgets = !options.continuous && options.memory == 1};
 }
 
 namespace {

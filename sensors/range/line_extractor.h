@@ -50,7 +50,7 @@ class LineExtractor final : public Module {
     void declare(OptionVisitor& visit);
   };
 
-  static Interface interface();
+  static Interface interface(const Options& options);
 
   explicit LineExtractor(const Options& options);
 

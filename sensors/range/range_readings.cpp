@@ -144,11 +144,14 @@ Outcome<> RangeReadings::read_row(std::size_t row, const Evaluation& evaluation,
     return wrong(fmt::format("an sd of {} m; expected one above 0", column_std));
   const double deviation =
       std::hypot(column_std, options_.std_constant, options_.std_proportional * range);
+  const double u = 1 / range;
+  if (!(u * u * deviation > 0) || !std::isfinite(p.scale * u * u + u * u * deviation))
+    return wrong(fmt::format("a range of {} m is too {} to compute with", measured,
+                             measured < 1 ? "small" : "large"));
   const bool from_z = options_.angles == AngleSense::from_z_to_x;
   const double turned = from_z ? -head : head;
   const double c = std::cos(turned);
   const double s = std::sin(turned);
-  const double u = 1 / range;
   reading = {time,
              turned,
              c * p.mount_x - s * p.mount_z,
