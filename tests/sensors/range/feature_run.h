@@ -65,7 +65,7 @@ inline std::vector<double> point_on(const RangeReading& r, const InverseLine& m)
 
 /// The reading whose ray passes nearest to a point.
 inline const RangeReading& reading_at(std::span<const RangeReading> readings, double x, double z) {
-  const RangeReading* best = &readings[0];
+  const RangeReading* best = readings.data();
   const auto off = [&](const RangeReading& r) {
     return std::abs(wrap_angle(std::atan2(z - r.origin_z, x - r.origin_x) - r.bearing));
   };
