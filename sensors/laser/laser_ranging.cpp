@@ -42,8 +42,8 @@ Outcome<> LaserRanging::evaluate(const Evaluation& evaluation, Output& output) {
   }
   make_readings(output, count);
   if (count == 0) return Fault{FaultKind::no_detection, "no beam of the scan returned"};
-  assign<RangeScan>(output.estimate,
-                    {p.mount_x, p.mount_z, p.mount_heading, 0, 0, 0, 0, 0, 0, options_.beam_width});
+  assign<RangeScan>(output.estimate, {p.mount_x, p.mount_z, p.mount_heading, 0, 0, 0, 0, 0, 0,
+                                      options_.beam_width, 1});
   constexpr std::size_t scan_size = dimension_of<RangeScan>;
   std::array<double, scan_size * dimension_of<Parameters>> jacobian{};
   jacobian[0 * scan_size + 3] = 1;            // the offset, in m

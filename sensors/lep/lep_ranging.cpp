@@ -112,7 +112,7 @@ Outcome<> LepRanging::evaluate(const Evaluation& evaluation, Output& output) {
                  "sensor; is the calibration this sensor's?"};
   const auto scan = payload_of<LepScan>(evaluation.input(0));
   assign<RangeScan>(output.estimate, {p.origin_x, p.origin_z, -p.projected_vergence, 0, 0, 0, 0, 0,
-                                      scan.noise_correlation, scan.beam_width});
+                                      scan.noise_correlation, scan.beam_width, 0});
   const auto jacobian = scan_by_parameters(p);
   const LineageTerm term{jacobian.data(), &evaluation.parameters.lineage};
   compose({&term, 1}, scan_size, output.estimate.lineage);

@@ -14,6 +14,7 @@ namespace {
 
 struct ArcResiduals {
   std::span<const RangeReading> readings;
+  RangeNoise noise;
 
   int NumResiduals() const { return static_cast<int>(readings.size()); }
 
@@ -23,7 +24,9 @@ struct ArcResiduals {
       const RangeReading& r = readings[i];
       const T range = range_to_circle(T(r.origin_x), T(r.origin_z), T(std::cos(r.bearing)),
                                       T(std::sin(r.bearing)), circle[0], circle[1], circle[2]);
-      residuals[i] = (T(r.inverse_range) - T(1) / range) / T(r.deviation);
+      const double u = r.inverse_range;
+      residuals[i] = noise.in_range ? (range - T(1 / u)) * T(u * u / r.deviation)
+                                    : (T(u) - T(1) / range) / T(r.deviation);
     }
     return true;
   }
@@ -55,7 +58,7 @@ std::optional<Eigen::Vector3d> algebraic_circle(std::span<const RangeReading> re
 }
 
 /// Covariance and dependences at the fitted circle.
-bool add_errors(std::span<const RangeReading> readings, double noise_correlation, ArcFit& fit) {
+bool add_errors(std::span<const RangeReading> readings, const RangeNoise& noise, ArcFit& fit) {
   // By the circle, then by the scan's mount.
   using T = Dual<6>;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -72,20 +75,21 @@ bool add_errors(std::span<const RangeReading> readings, double noise_correlation
         T(r.origin_x) + c * mount_x - s * mount_z, T(r.origin_z) + s * mount_x + c * mount_z,
         cos(bearing), sin(bearing), T(fit.circle[0], 0), T(fit.circle[1], 1), T(fit.circle[2], 2));
     const T expected = T(1) / range;
-    const double weight = 1 / (r.deviation * r.deviation);
+    const RangeResidual residual(r, expected.a, noise);
+    const double weight = residual.weight;
+    const double u = residual.by_reading;
     const Eigen::Vector3d by_circle = expected.v.head<3>();
     Eigen::Matrix<double, 1, scan_dependences> residual_by_scan;
-    residual_by_scan << -expected.v.tail<3>().transpose(), r.sensitivity[0], r.sensitivity[1],
-        r.sensitivity[2], r.sensitivity[3], r.sensitivity[4];
+    residual_by_scan << -expected.v.tail<3>().transpose(), u * r.sensitivity[0],
+        u * r.sensitivity[1], u * r.sensitivity[2], u * r.sensitivity[3], u * r.sensitivity[4];
     information += weight * by_circle * by_circle.transpose();
     by_scan += weight * by_circle * residual_by_scan;
-    const double residual = r.inverse_range - expected.a;
-    fit.chi_squared += weight * residual * residual;
+    fit.chi_squared += weight * residual.value * residual.value;
   }
   const Eigen::LDLT<Eigen::Matrix3d> solver(information);
   if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-12)) return false;
   const Eigen::Matrix3d inverse = solver.solve(Eigen::Matrix3d::Identity());
-  fit.covariance = inverse * (1 + noise_correlation) / (1 - noise_correlation);
+  fit.covariance = inverse * noise.factor();
   fit.by_scan = inverse * by_scan;
   fit.readings = readings.size();
   return fit.covariance.allFinite();
@@ -104,11 +108,11 @@ double arc_residual(const RangeReading& reading, const Eigen::Vector3d& circle) 
 }
 
 std::optional<ArcFit> fit_arc(std::span<const RangeReading> readings, const ArcRule& rule,
-                              double noise_correlation) {
+                              const RangeNoise& noise) {
   if (readings.size() < 4) return std::nullopt;
   const auto start = algebraic_circle(readings);
   if (!start) return std::nullopt;
-  const ArcResiduals residuals{readings};
+  const ArcResiduals residuals{readings, noise};
   using Function = ceres::TinySolverAutoDiffFunction<ArcResiduals, Eigen::Dynamic, 3>;
   Function function(residuals);
   ceres::TinySolver<Function> solver;
@@ -118,7 +122,7 @@ std::optional<ArcFit> fit_arc(std::span<const RangeReading> readings, const ArcR
   solver.Solve(function, &fit.circle);
   const double radius = std::abs(fit.circle[2]);
   if (!fit.circle.allFinite() || radius < rule.least_radius || radius > rule.largest_radius ||
-      !add_errors(readings, noise_correlation, fit) || fit.covariance(2, 2) > radius * radius)
+      !add_errors(readings, noise, fit) || fit.covariance(2, 2) > radius * radius)
     return std::nullopt;
   return fit;
 }

@@ -31,7 +31,7 @@ struct ArcRule {
 /// Levenberg-Marquardt from an algebraic start. Nothing where the radius is out of bounds or as
 /// uncertain as it is large. Rays may pass the circle: `arc_residual` tells.
 std::optional<ArcFit> fit_arc(std::span<const RangeReading> readings, const ArcRule& rule,
-                              double noise_correlation);
+                              const RangeNoise& noise);
 
 /// A ray that passes a circle's centre by more than this share of its radius only grazes it: across
 /// a beam of some width the range there changes too much for one number.

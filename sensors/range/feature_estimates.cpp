@@ -11,7 +11,6 @@ namespace {
 
 constexpr Eigen::Index scan_size = dimension_of<RangeScan>;
 constexpr Eigen::Index mount_size = 3;
-constexpr std::size_t beam_width_component = dimension_of<RangeScan> - 1;
 
 /// The sources that belong to a segment: its fit's noise, what a line's rho departs from first
 /// order, and where within a ray's step its two ends lie.
@@ -260,7 +259,7 @@ void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& a
   const JumpInterval jump = jump_interval(readings,
                                           before_is_nearer ? JumpReadings{before.last, end, begin}
                                                            : JumpReadings{after.first, begin, end},
-                                          scan_.value[beam_width_component]);
+                                          payload_of<RangeScan>(scan_).beam_width);
   Eigen::Matrix<double, 6, 1> values = Eigen::Matrix<double, 6, 1>::Zero();
   values.head<2>() << nearer.fit.line.x, nearer.fit.line.z;
   const auto v = variables<6>(values);  // the line, the bearing, the mount

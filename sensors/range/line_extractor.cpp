@@ -92,7 +92,7 @@ Outcome<> LineExtractor::extract_scan(const Evaluation& evaluation, const RangeS
                  fmt::format("the scan has {} readings; a segment needs {}", readings.size(),
                              options_.least_readings)};
   if (Outcome<> outcome = check_readings(readings); !outcome) return outcome;
-  lines_.begin(shared.noise_correlation, shared.beam_width);
+  lines_.begin({shared.noise_correlation, shared.noise_in_range != 0}, shared.beam_width);
   for (const RangeReading& reading : readings) lines_.add(reading);
   lines_.finish();
   memory_.join(lines_.segments(), readings);
@@ -132,7 +132,7 @@ Outcome<> LineExtractor::extract_on(const Evaluation& evaluation, const RangeSca
       scan_begun_ = false;
     }
     if (!scan_begun_) {
-      lines_.begin(shared.noise_correlation, shared.beam_width);
+      lines_.begin({shared.noise_correlation, shared.noise_in_range != 0}, shared.beam_width);
       scan_begun_ = true;
     }
     if (Outcome<> outcome = check_readings({&reading, 1}); !outcome) return outcome;

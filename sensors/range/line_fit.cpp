@@ -8,7 +8,7 @@ namespace {
 
 /// What one reading says about a line m: u = m · e / (1 - m · o) + noise.
 struct LineResidual {
-  double residual;          ///< measured less expected inverse range (1/m)
+  RangeResidual residual;
   Eigen::Vector2d by_line;  ///< of the expected one
   /// Of the residual, by the scan's mount and shared errors.
   Eigen::Matrix<double, 1, scan_dependences> by_scan;
@@ -25,19 +25,20 @@ struct Turn {
   }
 };
 
-LineResidual line_residual(const RangeReading& reading, const Turn& head, const InverseLine& m) {
+LineResidual line_residual(const RangeReading& reading, const Turn& head, const InverseLine& m,
+                           const RangeNoise& noise) {
   const double ex = std::cos(reading.bearing);
   const double ez = std::sin(reading.bearing);
   const double scale = 1 / (1 - m.x * reading.origin_x - m.z * reading.origin_z);
   const double expected = (m.x * ex + m.z * ez) * scale;
-  LineResidual r;
-  r.residual = reading.inverse_range - expected;
+  LineResidual r{RangeResidual(reading, expected, noise), {}, {}};
   r.by_line = {(ex + expected * reading.origin_x) * scale,
                (ez + expected * reading.origin_z) * scale};
+  const double u = r.residual.by_reading;
   r.by_scan << -expected * scale * (m.x * head.c + m.z * head.s),
       -expected * scale * (m.z * head.c - m.x * head.s), -(m.z * ex - m.x * ez) * scale,
-      reading.sensitivity[0], reading.sensitivity[1], reading.sensitivity[2],
-      reading.sensitivity[3], reading.sensitivity[4];
+      u * reading.sensitivity[0], u * reading.sensitivity[1], u * reading.sensitivity[2],
+      u * reading.sensitivity[3], u * reading.sensitivity[4];
   return r;
 }
 
@@ -45,36 +46,42 @@ LineResidual line_residual(const RangeReading& reading, const Turn& head, const 
 
 std::optional<LineFit> fit_line(std::span<const RangeReading> readings,
                                 std::span<const ReadingRun> runs, const InverseLine& start,
-                                double noise_correlation) {
-  // One step: the start solves the linear form, which all but is this one.
+                                const RangeNoise& noise) {
+  // The start solves the linear form, which all but is the exact one; but its weights are the
+  // measured ranges', which noise in range makes wrong.
+  const int steps = noise.in_range ? 4 : 1;
   LineFit fit;
-  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
-  Eigen::Matrix<double, 2, scan_dependences> by_scan;
-  by_scan.setZero();
-  Turn head;
-  for (const ReadingRun& run : runs) {
-    for (const RangeReading& reading : readings.subspan(run.begin, run.size())) {
-      head.to(reading.head);
-      const LineResidual r = line_residual(reading, head, start);
-      const double weight = 1 / (reading.deviation * reading.deviation);
-      const Eigen::Vector2d weighted = weight * r.by_line;
-      information += weighted * r.by_line.transpose();
-      gradient += weighted * r.residual;
-      by_scan += weighted * r.by_scan;
-      fit.chi_squared += weight * r.residual * r.residual;
+  fit.line = start;
+  for (int step = 0; step < steps; ++step) {
+    Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+    Eigen::Matrix<double, 2, scan_dependences> by_scan;
+    by_scan.setZero();
+    fit.chi_squared = 0;
+    fit.readings = 0;
+    Turn head;
+    for (const ReadingRun& run : runs) {
+      for (const RangeReading& reading : readings.subspan(run.begin, run.size())) {
+        head.to(reading.head);
+        const LineResidual r = line_residual(reading, head, fit.line, noise);
+        const Eigen::Vector2d weighted = r.residual.weight * r.by_line;
+        information += weighted * r.by_line.transpose();
+        gradient += weighted * r.residual.value;
+        by_scan += weighted * r.by_scan;
+        fit.chi_squared += r.residual.weight * r.residual.value * r.residual.value;
+      }
+      fit.readings += run.size();
     }
-    fit.readings += run.size();
+    const double determinant = information.determinant();
+    if (fit.readings < 2 || !(determinant > 1e-14 * information(0, 0) * information(1, 1)))
+      return std::nullopt;
+    const Eigen::Matrix2d inverse = information.inverse();
+    const Eigen::Vector2d change = inverse * gradient;
+    fit.line = {fit.line.x + change.x(), fit.line.z + change.y()};
+    fit.chi_squared -= gradient.dot(change);
+    fit.covariance = inverse * noise.factor();
+    fit.by_scan = inverse * by_scan;
   }
-  const double determinant = information.determinant();
-  if (fit.readings < 2 || !(determinant > 1e-14 * information(0, 0) * information(1, 1)))
-    return std::nullopt;
-  const Eigen::Matrix2d inverse = information.inverse();
-  const Eigen::Vector2d change = inverse * gradient;
-  fit.line = {start.x + change.x(), start.z + change.y()};
-  fit.chi_squared -= gradient.dot(change);
-  fit.covariance = inverse * (1 + noise_correlation) / (1 - noise_correlation);
-  fit.by_scan = inverse * by_scan;
   if (!std::isfinite(fit.line.x) || !std::isfinite(fit.line.z)) return std::nullopt;
   return fit;
 }

@@ -25,13 +25,13 @@ struct LineFit {
   std::size_t readings = 0;
 };
 
-/// The line of maximum likelihood for independent, normal errors of the inverse ranges, by a
-/// step of Gauss-Newton from `start`, which must be the least squares of LineInformation or as
-/// near. `noise_correlation` r is of neighbouring readings' errors: what they say together of so
-/// smooth a thing as a line is less by (1 + r) / (1 - r). Nothing where fewer than two readings are
-/// given, or they do not determine a line.
+/// The line of maximum likelihood for independent, normal errors of the inverse ranges or, where
+/// the noise is so, of the ranges. By a step of Gauss-Newton from `start`, which must be the least
+/// squares of LineInformation or as near, and by several for noise in range. Neighbouring readings'
+/// errors of correlation r say together of so smooth a thing as a line less by (1 + r) / (1 - r).
+/// Nothing where fewer than two readings are given, or they do not determine a line.
 std::optional<LineFit> fit_line(std::span<const RangeReading> readings,
                                 std::span<const ReadingRun> runs, const InverseLine& start,
-                                double noise_correlation);
+                                const RangeNoise& noise);
 
 }  // namespace ilss

@@ -185,7 +185,7 @@ Outcome<> RangeReadings::evaluate(const Evaluation& evaluation, Output& output) 
   make_readings(output, count);
   const auto p = payload_of<Parameters>(evaluation.parameters);
   assign<RangeScan>(output.estimate, {p.mount_x, p.mount_z, p.mount_heading, 0, 0, 0, 0, 0,
-                                      options_.noise_correlation, options_.beam_width});
+                                      options_.noise_correlation, options_.beam_width, 1});
   constexpr std::size_t parameter_count = dimension_of<Parameters>;
   std::array<double, scan_size * parameter_count> jacobian{};
   jacobian[0 * scan_size + 3] = 1;            // the offset, in m

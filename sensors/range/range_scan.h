@@ -30,13 +30,44 @@ struct RangeReading {
   std::array<double, shared_range_errors> sensitivity = {};
 };
 
+/// How the readings' own noise behaves.
+struct RangeNoise {
+  double correlation = 0;  ///< of one reading's noise and the next one's
+  /// Normal in range and not in inverse range: then a reading's sd of the inverse range holds at
+  /// the range that was measured, and changes with the square of the true one. A fit that took its
+  /// weights from what was measured would prefer the readings that came out too far.
+  bool in_range = false;
+
+  RangeNoise(double noise_correlation = 0,  // NOLINT(google-explicit-constructor)
+             bool is_in_range = false)
+      : correlation(noise_correlation), in_range(is_in_range) {}
+  /// Of variances, for what neighbouring readings say alike.
+  double factor() const { return (1 + correlation) / (1 - correlation); }
+};
+
+/// How far a reading is from what is expected of it (1/m), and with which weight that counts (m²).
+struct RangeResidual {
+  double value;
+  double weight;
+  double by_reading;  ///< of the value, by the reading's inverse range
+
+  RangeResidual(const RangeReading& reading, double expected, const RangeNoise& noise) {
+    const double ratio = expected / reading.inverse_range;
+    // To first order in the noise the same; in range it is the range's error times expected².
+    by_reading = noise.in_range ? ratio * ratio : 1;
+    value = noise.in_range ? expected * (1 - ratio) : reading.inverse_range - expected;
+    const double deviation = reading.deviation * by_reading;
+    weight = 1 / (deviation * deviation);
+  }
+};
+
 /// A scan: its readings are the samples, one row each, in the order in which they were taken. The
 /// components are what the readings share; what is not known of it does not average out. The scan's
 /// frame stands still while the scan is taken and does not turn with the head.
 template <typename T>
 struct RangeScan {
   T mount_x, mount_z, mount_heading, error_1, error_2, error_3, error_4, error_5, noise_correlation,
-      beam_width;
+      beam_width, noise_in_range;
 
   static constexpr std::string_view name = "range_scan";
   static constexpr std::string_view documentation =
@@ -53,7 +84,9 @@ struct RangeScan {
       {"error_4", "1", "another", 0},
       {"error_5", "1", "another", 0},
       {"noise_correlation", "1", "of one reading's noise and the next one's; exact", 0},
-      {"beam_width", "m", "within which a reading may hold light of two surfaces; exact", 0}};
+      {"beam_width", "m", "within which a reading may hold light of two surfaces; exact", 0},
+      {"noise_in_range", "1",
+       "1 where the noise is normal in range, 0 where it is in inverse range; exact", 0}};
   static SamplesDescriptor samples() { return {"SI", {"reading", "quantity"}}; }
 };
 

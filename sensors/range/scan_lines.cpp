@@ -36,10 +36,9 @@ double difference(const RangeReading& reading, const InverseLine& a, const Inver
 
 ScanLines::ScanLines(const ScanLinesRule& rule) : rule_(rule), segmentation_(rule.segmentation) {}
 
-void ScanLines::begin(double noise_correlation, double beam_width) {
+void ScanLines::begin(const RangeNoise& noise, double beam_width) {
   beam_width_ = beam_width;
-  noise_correlation_ = noise_correlation;
-  noise_factor_ = (1 + noise_correlation) / (1 - noise_correlation);
+  noise_ = noise;
   readings_.clear();
   sums_.clear();
   segmentation_.clear();
@@ -62,7 +61,7 @@ bool ScanLines::add(const RangeReading& reading) {
   readings_.push_back(reading);
   sums_.add(std::cos(reading.bearing), std::sin(reading.bearing), reading.origin_x,
             reading.origin_z, reading.inverse_range,
-            1 / (reading.deviation * reading.deviation * noise_factor_));
+            1 / (reading.deviation * reading.deviation * noise_.factor()));
   if (gap) {
     segmentation_.break_before_last(sums_);
     return true;
@@ -196,7 +195,7 @@ void ScanLines::settle_ends() {
 double ScanLines::cost(const FittedSegment& segment) const {
   // A circle has three parameters where a line has two.
   const double evidence = rule_.segmentation.evidence;
-  if (segment.arc) return segment.arc->chi_squared / noise_factor_ + 1.5 * evidence;
+  if (segment.arc) return segment.arc->chi_squared / noise_.factor() + 1.5 * evidence;
   return information_of(segment.runs).chi_squared() + evidence;
 }
 
@@ -241,8 +240,7 @@ bool ScanLines::join_to_arc(FittedSegment& before, const FittedSegment& after) c
   constexpr double clearly = 3.5;  // standard deviations
   constexpr std::size_t most_dropped = 12;
   for (std::size_t dropped = 0; dropped <= most_dropped; ++dropped) {
-    const auto arc =
-        fit_arc(std::span(readings_).subspan(begin, end - begin), rule_.arc, noise_correlation_);
+    const auto arc = fit_arc(std::span(readings_).subspan(begin, end - begin), rule_.arc, noise_);
     if (!arc) return false;
     const double at_begin = std::abs(arc_residual(readings_[begin], arc->circle));
     const double at_end = std::abs(arc_residual(readings_[end - 1], arc->circle));
@@ -283,7 +281,7 @@ void ScanLines::find_arcs() {
 
 bool ScanLines::fit(FittedSegment& segment) const {
   const auto fitted =
-      fit_line(readings_, segment.runs, information_of(segment.runs).line(), noise_correlation_);
+      fit_line(readings_, segment.runs, information_of(segment.runs).line(), noise_);
   if (!fitted) return false;
   segment.fit = *fitted;
   segment.first = segment.runs.front().begin;

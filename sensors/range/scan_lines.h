@@ -38,9 +38,8 @@ class ScanLines {
  public:
   explicit ScanLines(const ScanLinesRule& rule);
 
-  /// Starts a scan whose neighbouring readings' errors have this correlation, and whose beam has
-  /// this width (m).
-  void begin(double noise_correlation, double beam_width);
+  /// Starts a scan whose readings have such noise, and whose beam has this width (m).
+  void begin(const RangeNoise& noise, double beam_width);
   /// Takes a reading; true where it ended a segment.
   bool add(const RangeReading& reading);
   /// Decides on all readings where segments end, joins and fits them.
@@ -73,9 +72,8 @@ class ScanLines {
   FittedSegment& new_segment();
 
   ScanLinesRule rule_;
-  double noise_correlation_ = 0;
+  RangeNoise noise_ = {};
   double beam_width_ = 0;
-  double noise_factor_ = 1;  ///< of variances, for what neighbouring readings say alike
   std::vector<RangeReading> readings_;
   LineInformationSums sums_;
   LineSegmentation segmentation_;
