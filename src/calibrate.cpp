@@ -20,6 +20,7 @@ struct NoiseArguments {
   std::string detector_length;
   std::string output;
   bool json = false;
+  bool force = false;
 };
 
 struct LepArguments {
@@ -65,9 +66,11 @@ double read_detector_length(const NoiseArguments& arguments, Diagnostics& diagno
   throw Exit{exit_bad_input};
 }
 
-/// Writes the file whole or not at all.
-void write_file(const std::string& path, const std::string& text) {
-  if (path.empty()) return;
+/// Writes the file whole or not at all; through a symbolic link into what it names.
+void write_file(const std::string& output, const std::string& text) {
+  if (output.empty()) return;
+  std::error_code ignored;
+  const std::string path = std::filesystem::weakly_canonical(output, ignored).string();
   const std::string partial = path + ".partial";
   std::ofstream stream(partial, std::ios::binary);
   stream << text;
@@ -81,6 +84,7 @@ void write_file(const std::string& path, const std::string& text) {
 }
 
 void calibrate_noise(const NoiseArguments& arguments) {
+  check_output_file("--output", arguments.output, {arguments.file});
   static constexpr std::array<TableColumn, 2> columns = {
       {{"detector_current", "A", true}, {"image_position_std", "m", true}}};
   Diagnostics diagnostics;
@@ -165,7 +169,7 @@ LepTableReport judge_table(std::span<const LepCalibrationPoint> points,
 /// Complains of the first reading that the laser cannot have reached: where it stands is known here
 /// only.
 void check_points(std::span<const LepCalibrationPoint> points, const std::vector<Position>& rows,
-                  const LepScanOrigin& origin, Diagnostics& diagnostics) {
+                  const LepScanOrigin& origin, double detector_length, Diagnostics& diagnostics) {
   for (std::size_t i = 0; i < points.size() && diagnostics.empty(); ++i) {
     if (!(points[i].depth > origin.z))
       diagnostics.add(rows[i], fmt::format("the depth, {:g} m, is not in front of the scan origin, "
@@ -173,10 +177,19 @@ void check_points(std::span<const LepCalibrationPoint> points, const std::vector
                                            points[i].depth, origin.z));
     else if (!(std::cos(points[i].scan_angle + origin.projected_vergence) > 0))
       diagnostics.add(rows[i], "the laser's angle must be less than 90 deg");
+    else if (std::abs(points[i].image_position) > detector_length / 2)
+      diagnostics.add(rows[i], fmt::format("the image position, {:g} mm, is beside a photodiode "
+                                           "of {:g} mm",
+                                           points[i].image_position * 1e3, detector_length * 1e3));
   }
 }
 
+/// Errors of more than three times what is stated: then the fit's own errors mean nothing.
+constexpr double most_chi_squared = 9;  // per degree of freedom
+
 void calibrate_sensor(const LepArguments& arguments) {
+  check_output_file("--output", arguments.common.output,
+                    {arguments.common.file, arguments.stripes});
   Diagnostics diagnostics;
   LepCalibrationReport report;
   report.file = arguments.common.file;
@@ -187,7 +200,8 @@ void calibrate_sensor(const LepArguments& arguments) {
     report.origin = read_stripes(arguments.stripes, diagnostics);
     origin = report.origin->origin;
   }
-  check_points(points, rows, origin, diagnostics);
+  check_points(points, rows, origin, read_detector_length(arguments.common, diagnostics),
+               diagnostics);
   if (!diagnostics.empty()) report_and_exit(diagnostics);
   const auto calibration = calibrate_lep(points, origin);
   if (!calibration) refuse(arguments.common.file, calibration.fault());
@@ -195,9 +209,17 @@ void calibrate_sensor(const LepArguments& arguments) {
   report.table = judge_table(points, *calibration);
   report.largest_line = rows[calibration->residuals.largest_at].line;
   report.largest_in_sd_line = rows[calibration->residuals.largest_in_sd_at].line;
-  write_file(arguments.common.output, calibration_yaml(report));
+  const double misfit = calibration->chi_squared / calibration->degrees_of_freedom();
+  const bool fits = misfit < most_chi_squared || arguments.common.force;
+  if (fits) write_file(arguments.common.output, calibration_yaml(report));
   fmt::print("{}", arguments.common.json ? json_text(calibration_json(report)) + "\n"
                                          : calibration_text(report));
+  if (!fits)
+    fail(exit_failed,
+         fmt::format(
+             "the model does not fit: chi-squared is {:.3g} a degree of freedom, and line {} "
+             "lies farthest off; are the units right? Nothing is written without --force",
+             misfit, report.largest_in_sd_line));
 }
 
 void add_common_options(CLI::App& verb, NoiseArguments& arguments) {
@@ -232,6 +254,7 @@ void add_lep(CLI::App& app) {
         ->type_name(i == 2 ? "ANGLE" : "LENGTH")
         ->excludes(stripes);
   add_common_options(*verb, arguments->common);
+  verb->add_flag("--force", arguments->common.force, "Write a calibration that does not fit, too");
   verb->callback([arguments] { calibrate_sensor(*arguments); });
 }
 

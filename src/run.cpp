@@ -319,7 +319,8 @@ void check_picture_scale(double scale) {
 }
 
 /// Finds out before a run whether an option's file can be written, and leaves all as it is.
-void check_file(const std::string& option, const std::string& path) {
+void check_file(const std::string& option, const std::string& path, const std::string& graph) {
+  check_output_file(option, path, {graph});
   std::error_code ignored;
   const bool is_new = !std::filesystem::exists(path, ignored);
   if (!std::ofstream(path, std::ios::app))
@@ -369,8 +370,8 @@ int run(const Arguments& arguments, Session& session) {
   const std::int64_t most_ticks = arguments.ticks.value_or(default_ticks);
   const Plan plan = session.read_graph(arguments.graph, arguments.sets);
   const std::vector<ScheduledCommand> commands = read_commands(arguments.commands, plan);
-  if (!arguments.profile.empty()) check_file("--profile", arguments.profile);
-  if (!arguments.picture.empty()) check_file("--picture", arguments.picture);
+  if (!arguments.profile.empty()) check_file("--profile", arguments.profile, arguments.graph);
+  if (!arguments.picture.empty()) check_file("--picture", arguments.picture, arguments.graph);
   Runner runner(plan, arguments.seed);
   for (const ScheduledCommand& command : commands) runner.schedule(command);
   Agreement agreement(plan);

@@ -57,4 +57,15 @@ void fail(int status, const std::string& message) {
   throw Exit{status};
 }
 
+void check_output_file(const std::string& option, const std::string& path,
+                       const std::vector<std::string>& inputs) {
+  std::error_code error;
+  if (path.empty() || !std::filesystem::exists(path, error)) return;
+  for (const std::string& input : inputs)
+    if (std::filesystem::equivalent(path, input, error))
+      fail(exit_bad_input, fmt::format("{}: '{}' is read by this command", option, path));
+  if (!std::filesystem::is_regular_file(path, error))
+    fail(exit_bad_input, fmt::format("{}: '{}' is not a regular file", option, path));
+}
+
 }  // namespace ilss

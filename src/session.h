@@ -73,4 +73,9 @@ void add_calibrate(CLI::App& app);
 void add_graph(CLI::App& app, Session& session);
 void add_schema(CLI::App& app, Session& session);
 
+/// Ends the command with a usage error where the file of an output option is one of the command's
+/// inputs, or is there already and no regular file; nothing is touched.
+void check_output_file(const std::string& option, const std::string& path,
+                       const std::vector<std::string>& inputs);
+
 }  // namespace ilss

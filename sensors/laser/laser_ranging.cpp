@@ -20,6 +20,7 @@ Outcome<> LaserRanging::evaluate(const Evaluation& evaluation, Output& output) {
   const Output& scan = *evaluation.inputs[0];
   const auto device = payload_of<LaserScan>(scan.estimate);
   const auto p = payload_of<Parameters>(evaluation.parameters);
+  if (!(p.scale > 0)) return Fault{FaultKind::out_of_range, "the scale must be above 0"};
   const double deviation =
       std::sqrt(device.range_std * device.range_std + device.quantum * device.quantum / 12);
   if (!(deviation > 0))

@@ -15,7 +15,8 @@ namespace ilss {
 /// right), with the laser's mount and the offset and scale of its ranges as systematic errors
 /// (`error_1`: 1 m of offset, `error_2`: relative scale). A range's own error is its noise and its
 /// quantum's, q²/12. Beams without return are left out. Faults: no_detection where no beam
-/// returned; no_error_known where range_std and quantum are 0.
+/// returned; no_error_known where range_std and quantum are 0;
+/// out_of_range where the scale is not above 0.
 class LaserRanging final : public Module {
  public:
   static constexpr std::string_view name = "laser_ranging";
@@ -23,7 +24,8 @@ class LaserRanging final : public Module {
       "a laser's scan as ranges in the robot's plane, with its mount's and ranges' systematic "
       "errors";
   static constexpr ModuleKind kind = ModuleKind::estimator;
-  static constexpr std::array faults = {FaultKind::no_detection, FaultKind::no_error_known};
+  static constexpr std::array faults = {FaultKind::no_detection, FaultKind::no_error_known,
+                                        FaultKind::out_of_range};
 
   template <typename T>
   struct Parameters {

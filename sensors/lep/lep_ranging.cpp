@@ -81,7 +81,7 @@ Interface LepRanging::interface() {
 
 Outcome<> LepRanging::evaluate(const Evaluation& evaluation, Output& output) {
   const auto p = payload_of<Parameters>(evaluation.parameters);
-  if (!(p.focal_length > 0 && p.baseline > 0 && std::cos(p.vergence) > 0))
+  if (!(p.focal_length > 0 && p.baseline > 0 && std::cos(p.vergence) > 1e-6))
     return Fault{FaultKind::out_of_range,
                  "focal_length and baseline must be above 0, vergence within ±90 deg"};
   const std::span<const LepReading> images = lep_readings_of(*evaluation.inputs[0]);

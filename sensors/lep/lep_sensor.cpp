@@ -114,6 +114,11 @@ template <typename DrawNoise>
 Outcome<> LepSensor::scan(const Evaluation& evaluation, std::int64_t last, double end,
                           Memory& memory, DrawNoise draw_noise, Output& output) {
   const auto p = payload_of<Parameters>(evaluation.parameters);
+  if (!(p.focal_length > 0 && p.baseline > 0 && std::cos(p.vergence) > 1e-6 &&
+        p.detector_length > 0 && p.noise_current >= 0))
+    return Fault{FaultKind::out_of_range,
+                 "focal_length, baseline and detector_length must be above 0, noise_current not "
+                 "below it, vergence within ±90 deg"};
   LepBeamCaster caster({p.focal_length, p.baseline, p.vergence, p.lens_distance}, options_.beam);
   const Scene& scene = options_.scene.content;
   const double half_length = p.detector_length / 2;

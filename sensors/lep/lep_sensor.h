@@ -25,7 +25,8 @@ namespace ilss {
 /// photodiode.
 /// With a `bandwidth` the detector is a low pass: noise of neighbouring readings is correlated, and
 /// their images are smeared, but for a constant delay that the scan angles allow for.
-/// Faults: no_detection where no reading of a tick has an image.
+/// Faults: no_detection where no reading of a tick has an image; out_of_range where the parameters
+/// are no sensor's.
 /// Commands: `rotate_to` an angle and `rotate_at` a rate, refused beyond the head's stops and the
 /// drive's fastest rate.
 class LepSensor final : public Module {
@@ -35,7 +36,7 @@ class LepSensor final : public Module {
       "image positions of a LEP range sensor on a turning head, simulated in a scene";
   static constexpr std::string_view reference = "Pears 1997, sec. 2 and 3.3";
   static constexpr ModuleKind kind = ModuleKind::sensor;
-  static constexpr std::array faults = {FaultKind::no_detection};
+  static constexpr std::array faults = {FaultKind::no_detection, FaultKind::out_of_range};
   static std::vector<CommandDeclaration> commands();
 
   template <typename T>

@@ -18,8 +18,11 @@ void LineExtractor::Options::declare(OptionVisitor& visit) {
   visit("largest_radius", rule.arc.largest_radius, "of an arc; 0: no arcs",
         {.unit = "m", .minimum = 0});
   visit("continuous", continuous, "readings go on from tick to tick; a tick is no whole scan");
-  visit("memory", memory, "scans over which a line is averaged; 1: each scan alone",
+  visit("memory", memory,
+        "scans over which a line is averaged, before it starts anew; 1: each scan alone",
         {.minimum = 1, .maximum = 1000000});
+  visit.require(rule.arc.largest_radius == 0 || rule.arc.least_radius < rule.arc.largest_radius,
+                "'least_radius' must be less than 'largest_radius'");
   visit.require(!continuous || memory == 1, "'memory' is for whole scans, not with 'continuous'");
 }
 

@@ -26,7 +26,7 @@ namespace ilss {
 /// A tick's readings are a scan. With `continuous`, they go on from tick to tick until the sweep
 /// jumps back; a tick gives the segments that ended in it and the open one as it is now, without
 /// arcs and edges. With `memory`, a line that earlier scans saw is the mean over up to so many
-/// scans, for a vehicle that stands still.
+/// scans and then starts anew, for a vehicle that stands still.
 /// Output frame: the scan's. Faults: bad_data where a reading is not finite, its inverse range or
 /// sd is not above 0, or bearings do not run in one direction; no_detection where a scan has fewer
 /// than `least_readings` readings. Pending, if `continuous`, where nothing ended and the open

@@ -45,7 +45,7 @@ void RangeReadings::Options::declare(OptionVisitor& visit) {
         {.unit = "m", .minimum = 0});
   visit("std_proportional", std_proportional, "sd as a share of the range", {.minimum = 0});
   visit("head", head, "the column of the head's angle, in the sense of `angles`");
-  visit("time", time, "the column of the times, in s");
+  visit("time_column", time_column, "the column of the times, in s");
   visit("readings", readings, "rows of a scan; without it a scan ends where the angle jumps back",
         {.minimum = 1});
   visit("min_range", min_range, "a range below it is a fault", {.unit = "m", .minimum = 0});
@@ -54,6 +54,7 @@ void RangeReadings::Options::declare(OptionVisitor& visit) {
         {.minimum = 0, .maximum = 0.99});
   visit("beam_width", beam_width, "within which a reading may hold two surfaces",
         {.unit = "m", .minimum = 0});
+  visit("skip_bad", skip_bad, "leave out rows that would be a fault");
   visit("frame", frame, "name of the frame that the scans are in");
   check_unit(visit, "angle_unit", angle_unit, "rad");
   check_unit(visit, "range_unit", range_unit, "m");
@@ -81,7 +82,7 @@ Outcome<> RangeReadings::open() {
     return find(*wanted);
   };
   columns_ = {find(options_.angle), find(options_.range), find_optional(options_.range_std),
-              find_optional(options_.head), find_optional(options_.time)};
+              find_optional(options_.head), find_optional(options_.time_column)};
   if (missing) return *missing;
   recording_ = *opened;
   return {};
@@ -133,6 +134,7 @@ Outcome<> RangeReadings::read_row(std::size_t row, const Evaluation& evaluation,
   const double time = number(columns_.time, evaluation.time);
   if (fault) return *fault;
   const auto p = payload_of<Parameters>(evaluation.parameters);
+  if (!(p.scale > 0)) return wrong(fmt::format("a scale of {}; expected one above 0", p.scale));
   const double measured = *range_cell * to_metres;
   if (!(measured > 0)) return wrong(fmt::format("a range of {} m; expected one above 0", measured));
   if (measured < options_.min_range ||
@@ -175,7 +177,7 @@ Outcome<> RangeReadings::evaluate(const Evaluation& evaluation, Output& output) 
   std::size_t count = 0;
   for (std::size_t row = begin; row < next_; ++row) {
     Outcome<> outcome = read_row(row, evaluation, readings[count]);
-    if (outcome.is_fault()) return outcome;
+    if (outcome.is_fault() && !options_.skip_bad) return outcome;
     if (outcome.has_output()) ++count;
   }
   if (count == 0)

@@ -24,7 +24,8 @@ constexpr std::array<std::string_view, 2> choices(AngleSense) {
 /// each reading's own noise (a column, or constant and proportional parts), and an offset and a
 /// scale of all ranges, persistent sources (`error_1`: 1 m of offset, `error_2`: relative scale).
 /// A scan ends after `readings` rows or, without that, where the angle jumps back.
-/// Rows without a range (an empty cell) are left out. Times are s, of each reading; without a
+/// Rows without a range (an empty cell) are left out; with `skip_bad`, rows that would be a fault,
+/// too. Times are s, of each reading; without a
 /// column, the tick's.
 /// Frame: as named; the head's axis is its origin. Faults, with file and line: bad_data where a
 /// cell is no number, a range, inverse range or sd is not above 0, or a range lies outside
@@ -62,7 +63,8 @@ class RangeReadings final : public Module {
     double std_constant = 0;
     double std_proportional = 0;
     std::optional<std::string> head;
-    std::optional<std::string> time;
+    std::optional<std::string> time_column;
+    bool skip_bad = false;
     std::optional<std::int64_t> readings;
     double min_range = 0;
     std::optional<double> max_range;

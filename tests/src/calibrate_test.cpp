@@ -118,6 +118,33 @@ TEST(CalibrateLep, SaysWhenTheStatedNoiseDoesNotFit) {
   EXPECT_NE(heard.output.find("do NOT agree with the readings"), std::string::npos) << heard.output;
 }
 
+TEST(CalibrateLep, WritesNoCalibrationOfAModelThatDoesNotFit) {
+  const auto output = test_file("lep.yaml");
+  const std::string call =
+      std::string(shipped_data).replace(std::string(shipped_data).find("36.2"), 4, "9.05") +
+      " --output '" + output.string() + "'";
+  const Heard heard = call_command(call);
+  EXPECT_EQ(heard.status, 1);
+  EXPECT_NE(heard.errors.find("the model does not fit: chi-squared is 17"), std::string::npos)
+      << heard.errors;
+  EXPECT_FALSE(std::filesystem::exists(output));
+  EXPECT_EQ(call_command(call + " --force").status, 0);
+  EXPECT_TRUE(std::filesystem::exists(output));
+  std::filesystem::remove(output);
+}
+
+TEST(CalibrateLep, LeavesItsInputAndWhatIsNoFileAlone) {
+  const Heard itself =
+      call_command(std::string(shipped_data) + " --output graphs/data/lep_calibration.csv");
+  EXPECT_EQ(itself.status, 2);
+  EXPECT_NE(itself.errors.find("'graphs/data/lep_calibration.csv' is read by this command"),
+            std::string::npos)
+      << itself.errors;
+  const Heard device = call_command(std::string(shipped_data) + " --output /dev/null");
+  EXPECT_EQ(device.status, 2);
+  EXPECT_NE(device.errors.find("'/dev/null' is not a regular file"), std::string::npos);
+}
+
 TEST(CalibrateLep, NamesTheCombinationThatSingularDataLeaveOpen) {
   const auto output = test_file("lep.yaml");
   const Heard heard =

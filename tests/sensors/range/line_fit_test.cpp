@@ -8,6 +8,7 @@
 
 #include "framework/estimate/consistency.h"
 #include "sensors/range/arc_fit.h"
+#include "tests/sensors/lep_rig.h"
 #include "tests/sensors/range/scans.h"
 
 namespace ilss {
@@ -250,6 +251,39 @@ TEST(ArcResidual, IsInfiniteWhereTheRayGrazes) {
   EXPECT_NEAR(arc_residual(r, {0, 1.75, 0.5}), (1 - 0.8) / 0.1, 1e-12);
   EXPECT_FALSE(std::isfinite(arc_residual(r, {0.476, 1.5, 0.5})));
   EXPECT_TRUE(std::isfinite(arc_residual(r, {0.474, 1.5, 0.5})));
+}
+
+// Ranges with an sd of 5 % of the distance, as most sensors' are: normal in range.
+TEST(LineFit, OfNoiseInRangeHasNoBiasAndIsAsWrongAsItSays) {
+  constexpr std::uint64_t seed = 271;
+  SCOPED_TRACE(::testing::Message() << "seed " << seed);
+  constexpr double distance = 2;
+  constexpr double sd = 0.1;
+  const auto honesty_of = [&](bool in_range) {
+    double sum = 0;
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> noise;
+    constexpr int runs = 1000;
+    for (int run = 0; run < runs; ++run) {
+      std::vector<RangeReading> readings;
+      for (int i = 0; i < 360; ++i) {
+        const double bearing = (60 + i / 6.0) * degree;
+        const double range = distance / std::sin(bearing) + sd * noise(random);
+        RangeReading reading;
+        reading.bearing = bearing;
+        reading.inverse_range = 1 / range;
+        reading.deviation = sd / (range * range);
+        readings.push_back(reading);
+      }
+      const ReadingRun all{0, readings.size()};
+      const auto fitted = fit_line(readings, {&all, 1},
+                                   sums_of(readings).of(0, readings.size()).line(), {0, in_range});
+      sum += nees(*fitted, {0, 1 / distance}) / 2;
+    }
+    return sum / runs;
+  };
+  EXPECT_NEAR(honesty_of(true), 1, 0.1);
+  EXPECT_GT(honesty_of(false), 2) << "weights of measured ranges prefer what came out too far";
 }
 
 }  // namespace

@@ -68,9 +68,9 @@ class RangeReadingsTest : public ::testing::Test {
 };
 
 TEST_F(RangeReadingsTest, ReadsItsColumnsInTheirUnits) {
-  const ModuleRun result =
-      first("t,a,r,s,h\n0.5,90,1500,30,10\n0.6,91,1200,20,11\n",
-            "angle: a, angle_unit: deg, range: r, range_unit: mm, range_std: s, head: h, time: t");
+  const ModuleRun result = first(
+      "t,a,r,s,h\n0.5,90,1500,30,10\n0.6,91,1200,20,11\n",
+      "angle: a, angle_unit: deg, range: r, range_unit: mm, range_std: s, head: h, time_column: t");
   ASSERT_TRUE(result.outcome);
   const auto readings = readings_of(result.output);
   ASSERT_EQ(readings.size(), 2u);
@@ -241,8 +241,9 @@ TEST_F(RangeReadingsTest, GoesOnWithTheNextScanAfterABadOne) {
 
 TEST_F(RangeReadingsTest, LosesItsDeviceWithoutTheFileOrAColumn) {
   EXPECT_NE(fault_in("angle,distance\n0.1,1\n").find("device_lost"), std::string::npos);
-  EXPECT_NE(fault_in("angle,range\n0.1,1\n", "std_constant: 1 cm, time: t").find("device_lost"),
-            std::string::npos);
+  EXPECT_NE(
+      fault_in("angle,range\n0.1,1\n", "std_constant: 1 cm, time_column: t").find("device_lost"),
+      std::string::npos);
   RangeReadings::Options missing;
   missing.file = "/nonexistent/readings.csv";
   missing.std_constant = 1;
