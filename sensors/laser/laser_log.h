@@ -11,6 +11,7 @@
 #include "framework/module/module_type.h"
 #include "sensors/laser/laser_records.h"
 #include "sensors/laser/laser_scan.h"
+#include "sensors/laser/text_log.h"
 
 namespace ilss {
 
@@ -19,19 +20,6 @@ enum class LaserLogFormat { flaser, rlaser, robotlaser1, urg, csv };
 constexpr std::array<std::string_view, 5> choices(LaserLogFormat) {
   return {"FLASER", "RLASER", "ROBOTLASER1", "urg", "csv"};
 }
-
-/// The lines of a text file, plain or compressed by gzip, read once and shared.
-class TextLog {
- public:
-  /// Faults: device_lost where the file cannot be read, is empty, binary or longer than 1 GB.
-  static Outcome<std::shared_ptr<const TextLog>> open(const std::filesystem::path& path);
-  std::size_t lines() const { return begins_.size(); }
-  std::string_view line(std::size_t i) const;
-
- private:
-  std::string text_;
-  std::vector<std::size_t> begins_;
-};
 
 /// Sensor: scans of a log, one a tick: CARMEN's FLASER, RLASER or ROBOTLASER1 messages, URG-04LX
 /// logs, or CSV. Ranges from `no_return` on, below `min_range` or not above 0 are no returns. The
