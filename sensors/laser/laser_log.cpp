@@ -34,7 +34,6 @@ Interface LaserLog::interface(const Options& options) {
 void LaserLog::reset() {
   next_ = 0;
   skipped_ = 0;
-  start_time_.reset();
 }
 
 Outcome<std::optional<LaserRecord>> LaserLog::parse(std::string_view line) const {

@@ -64,8 +64,6 @@ class LaserLog final : public Module {
   std::shared_ptr<const TextLog> log_;
   std::size_t next_ = 0;  ///< line
   std::int64_t skipped_ = 0;
-  std::optional<double> start_time_;  ///< of the log's clock, at the tick of its first scan
-  double start_tick_time_ = 0;
 };
 
 }  // namespace ilss
