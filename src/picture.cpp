@@ -85,7 +85,7 @@ std::optional<PictureAxes> add_estimate(const Estimate& estimate, PictureLayer& 
 PictureAxes add_scan(const Output& scan, PictureLayer& layer) {
   const auto readings = readings_of(scan);
   const bool x_is_up = is_robot(scan.estimate.frame);
-  const PictureAxes axes = x_is_up ? PictureAxes{.right = "z", .up = "x"} : PictureAxes{};
+  PictureAxes axes = x_is_up ? PictureAxes{.right = "z", .up = "x"} : PictureAxes{};
   if (readings.empty()) return axes;
   const auto place = [&](double x, double z) {
     return x_is_up ? Eigen::Vector2d(z, x) : Eigen::Vector2d(x, z);
