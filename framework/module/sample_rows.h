@@ -12,7 +12,10 @@ namespace ilss {
 /// A struct of doubles only: one row of samples, a column a member.
 template <typename Row>
 concept SampleRow = std::is_trivially_copyable_v<Row> && std::is_standard_layout_v<Row> &&
-                    sizeof(Row) % sizeof(double) == 0 && alignof(Row) == alignof(double);
+                            sizeof(Row) %
+                            sizeof(double) ==
+                        0 &&
+                    alignof(Row) == alignof(double);
 
 template <SampleRow Row>
 inline constexpr std::size_t columns_of = sizeof(Row) / sizeof(double);
