@@ -140,8 +140,8 @@ TEST(LaserRanging, OffsetAndScaleAreSystematic) {
     moved.parameters.value[0] = offset;
     moved.parameters.value[1] = scale;
     std::vector<double> result;
-    for (const RangeReading& r : readings_of(run(ranging, moved).output))
-      result.push_back(r.inverse_range);
+    const ModuleRun one = run(ranging, moved);
+    for (const RangeReading& r : readings_of(one.output)) result.push_back(r.inverse_range);
     return result;
   };
   tick.parameters.lineage.add({9, 0, persistent_tick}, 0, 0.005);
