@@ -104,6 +104,7 @@ void add_graph(CLI::App& app, Session& session) {
   verb->add_option("--output", options->output, "Write to a file instead")->type_name("FILE");
   verb->add_flag("--json", options->json, "Print JSON: {format, text}");
   verb->callback([options, &session] {
+    check_output_file("--output", options->output, {options->graph});
     session.load_modules();
     const Plan plan = session.read_graph(options->graph, options->sets);
     const std::string dot = to_dot(plan);

@@ -39,5 +39,24 @@ TEST(Output, NamesThatAreNoTextStillGiveJson) {
   std::filesystem::remove(file);
 }
 
+TEST(OutputFile, IsNeverTheGraphThatTheCommandReads) {
+  const std::filesystem::path graph = test_file("graph.yaml");
+  const std::string text =
+      "{ilss: one, modules: {sonar: {type: sonar, range_std: 2 mm, input: {values: [{range: 1 "
+      "m}]}}},"
+      " network: sonar}\n";
+  std::ofstream(graph) << text;
+  const std::string path = "'" + graph.string() + "'";
+  for (const std::string& call :
+       {"graph " + path + " --output " + path, "run " + path + " --picture " + path,
+        "run " + path + " --profile " + path}) {
+    const Heard heard = call_command(call);
+    EXPECT_EQ(heard.status, 2) << call;
+    EXPECT_NE(heard.errors.find("is read by this command"), std::string::npos) << heard.errors;
+    EXPECT_EQ(text_of(graph), text) << call;
+  }
+  std::filesystem::remove(graph);
+}
+
 }  // namespace
 }  // namespace ilss
