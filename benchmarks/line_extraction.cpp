@@ -144,7 +144,9 @@ void compare_with_batch(const Output& scan, const Situation& situation, Tally& t
 void judge(const Output& features, const Situation& situation, const Output& scan, Tally& tally) {
   std::vector<const Estimate*> segments;
   for (const Estimate& element : features.elements)
-    if (element.type->name != RangeEdge<double>::name) segments.push_back(&element);
+    if (element.type->name == LineSegment<double>::name ||
+        element.type->name == ArcSegment<double>::name)
+      segments.push_back(&element);
   ++tally.scans;
   const auto is_kind = [](const Estimate& segment, const Surface& surface) {
     return (segment.type->name == ArcSegment<double>::name) == (surface.radius > 0);

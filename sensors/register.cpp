@@ -10,6 +10,8 @@
 #include "sensors/fusion/consistency.h"
 #include "sensors/fusion/covariance_intersection.h"
 #include "sensors/fusion/fuse.h"
+#include "sensors/laser/breakpoints.h"
+#include "sensors/laser/iterative_end_point_fit.h"
 #include "sensors/laser/laser_log.h"
 #include "sensors/laser/laser_ranging.h"
 #include "sensors/lep/lep_detector.h"
@@ -31,6 +33,7 @@ namespace ilss {
 
 void register_sensors(Registry& registry) {
   registry.add<Average>();
+  registry.add<Breakpoints>();
   registry.add<Camera>();
   registry.add<ConsistencyModule>();
   registry.add<CovarianceIntersection>();
@@ -38,6 +41,7 @@ void register_sensors(Registry& registry) {
   registry.add<Fixate>();
   registry.add<Fuse>();
   registry.add(expression_type());
+  registry.add<Segmenter<IterativeEndPointFit>>();
   registry.add<LaserLog>();
   registry.add<LaserRanging>();
   registry.add<LepRanging>();

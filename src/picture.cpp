@@ -51,13 +51,6 @@ UncertainPoint point_at(const Estimate& estimate, const Place& place) {
   return point;
 }
 
-bool has_label(const Estimate& estimate, std::string_view value) {
-  for (std::size_t i = 0; i < estimate.type->labels.size(); ++i)
-    if (estimate.type->labels[i].values[static_cast<std::size_t>(estimate.labels[i])] == value)
-      return true;
-  return false;
-}
-
 /// Adds what an estimate's components say of its place; the axes in which they do so, if any.
 std::optional<PictureAxes> add_estimate(const Estimate& estimate, PictureLayer& layer) {
   const PayloadDescriptor& type = *estimate.type;
@@ -75,7 +68,7 @@ std::optional<PictureAxes> add_estimate(const Estimate& estimate, PictureLayer& 
   }
   const auto place = find_place(estimate, "");
   if (!place) return std::nullopt;
-  const bool is_jump = has_label(estimate, edge_kinds[static_cast<std::size_t>(EdgeKind::jump)]);
+  const bool is_jump = type.name == SurfaceEdge<double>::name;
   layer.marks.push_back(
       {point_at(estimate, *place), is_jump, type.name + "  " + component_line(estimate)});
   return place->axes;

@@ -16,7 +16,7 @@ std::string component_line(const Estimate& estimate);
 /// How many samples there are: "240 readings", "480 rows x 640 columns"; "" where none.
 std::string samples_text(const Output& output);
 
-/// "2 line_segment, 1 range_edge" in order of the first of each; "no elements".
+/// "2 line_segment, 1 corner" in order of the first of each; "no elements".
 std::string element_counts_text(std::span<const Estimate> elements);
 
 /// So many elements of a set are shown; of a set of more than `largest_shown_set` only how many

@@ -54,8 +54,10 @@ void LaserLog::emit(const Evaluation& evaluation, const LaserRecord& record, Out
     const bool returned = range > 0 && range >= options_.min_range && range < options_.no_return;
     beams[i] = {record.first_bearing + static_cast<double>(i) * record.step, returned ? range : 0};
   }
-  assign<LaserScan>(output.estimate, {options_.range_std, options_.bearing_std, options_.quantum,
-                                      options_.no_return});
+  assign<LaserScan>(output.estimate, {.range_std = options_.range_std,
+                                      .bearing_std = options_.bearing_std,
+                                      .quantum = options_.quantum,
+                                      .max_range = options_.no_return});
   output.acquired = evaluation.time;
 }
 

@@ -176,8 +176,16 @@ void FeatureWriter::add(const FittedSegment& segment, std::span<const RangeReadi
     using T = Dual<6>;
     const Point<T> start = meet_circle(Ray<T>(first, v[3], v[4], v[5]), v[0], v[1], v[2]);
     const Point<T> end = meet_circle(Ray<T>(last, v[3], v[4], v[5]), v[0], v[1], v[2]);
-    const std::array<T, 8> components{v[0],    v[1],  v[2],  start.x,
-                                      start.z, end.x, end.z, T(static_cast<double>(fit.readings))};
+    const std::array<T, 10> components{v[0],
+                                       v[1],
+                                       v[2],
+                                       start.x,
+                                       start.z,
+                                       end.x,
+                                       end.z,
+                                       T(static_cast<double>(fit.readings)),
+                                       T(static_cast<double>(segment.first)),
+                                       T(static_cast<double>(segment.last))};
     write_feature<3>(components, fit.covariance, fit.by_scan, scan_,
                      {source(index, 0), source(index, 1), source(index, 2)},
                      next(descriptor<ArcSegment>()));
@@ -190,9 +198,15 @@ void FeatureWriter::add(const FittedSegment& segment, std::span<const RangeReadi
   using T = Dual<5>;
   const Point<T> start = meet_line(Ray<T>(first, v[2], v[3], v[4]), v[0], v[1]);
   const Point<T> end = meet_line(Ray<T>(last, v[2], v[3], v[4]), v[0], v[1]);
-  const std::array<T, 7> components{
-      1.0 / sqrt(v[0] * v[0] + v[1] * v[1]), atan2(v[1], v[0]), start.x, start.z, end.x, end.z,
-      T(static_cast<double>(fit.readings))};
+  const std::array<T, 9> components{1.0 / sqrt(v[0] * v[0] + v[1] * v[1]),
+                                    atan2(v[1], v[0]),
+                                    start.x,
+                                    start.z,
+                                    end.x,
+                                    end.z,
+                                    T(static_cast<double>(fit.readings)),
+                                    T(static_cast<double>(segment.first)),
+                                    T(static_cast<double>(segment.last))};
   Estimate& element = next(descriptor<LineSegment>());
   write_feature<2>(components, fit.covariance, fit.by_scan, scan_,
                    {source(index, 0), source(index, 1)}, element);
@@ -216,22 +230,22 @@ void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& a
     const Dual<4> determinant = v[0] * v[3] - v[1] * v[2];
     if (determinant.a == 0) return;
     const std::array<Dual<4>, 2> place{(v[3] - v[1]) / determinant, (v[0] - v[2]) / determinant};
-    Estimate& edge = next(descriptor<RangeEdge>());
+    Estimate& corner = next(descriptor<Corner>());
     Eigen::Matrix<double, 2, 4> by_fits;
     by_fits << place[0].v.transpose(), place[1].v.transpose();
-    edge.value.assign({place[0].a, place[1].a});
-    edge.labels.assign(1, static_cast<int>(EdgeKind::corner));
+    corner.value.assign({place[0].a, place[1].a});
+    corner.labels.assign(1, static_cast<int>(CornerKind::real_corner));
     Eigen::Matrix<double, 2, scan_size> jacobian = Eigen::Matrix<double, 2, scan_size>::Zero();
     jacobian.leftCols<scan_dependences>() =
         by_fits.leftCols<2>() * before.fit.by_scan + by_fits.rightCols<2>() * after.fit.by_scan;
     const LineageTerm term{jacobian.data(), &scan_.lineage};
-    compose({&term, 1}, 2, edge.lineage);
+    compose({&term, 1}, 2, corner.lineage);
     const auto add_noise = [&](const Eigen::Matrix2d& by_fit, const Eigen::Matrix2d& noise,
                                std::size_t segment) {
       const Eigen::Matrix2d factor = noise.llt().matrixL();
       const Eigen::Matrix2d columns = by_fit * factor;
       for (std::uint32_t k = 0; k < 2; ++k)
-        edge.lineage.add(source(segment, k), std::span<const double>(columns.col(k).data(), 2));
+        corner.lineage.add(source(segment, k), std::span<const double>(columns.col(k).data(), 2));
     };
     add_noise(by_fits.leftCols<2>(), before.fit.covariance, first);
     add_noise(by_fits.rightCols<2>(), after.fit.covariance, second);
@@ -272,13 +286,12 @@ void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& a
   Eigen::Matrix<double, 3, scan_dependences> by_scan =
       Eigen::Matrix<double, 3, scan_dependences>::Zero();
   by_scan.topRows<2>() = nearer.fit.by_scan;
-  Estimate& edge = next(descriptor<RangeEdge>());
+  Estimate& edge = next(descriptor<SurfaceEdge>());
   const std::size_t index_of_nearer = before_is_nearer ? first : second;
-  write_feature<3>(std::array<T, 2>{place.x, place.z}, noise, by_scan, scan_,
+  write_feature<3>(std::array<T, 3>{place.x, place.z, atan2(v[1], v[0])}, noise, by_scan, scan_,
                    {source(index_of_nearer, 0), source(index_of_nearer, 1),
                     source(index_of_nearer, before_is_nearer ? column_of_end : column_of_start)},
                    edge);
-  edge.labels.assign(1, static_cast<int>(EdgeKind::jump));
 }
 
 void FeatureWriter::finish() {

@@ -43,6 +43,14 @@ double Fixate::expected_bearing() const {
   return to_the_left(last_->place.value[0], last_->place.value[1]);
 }
 
+/// Whether a feature is an edge of the kind that counts: a corner, a jump, or either.
+bool Fixate::is_wanted(const Estimate& feature) const {
+  const bool is_corner = feature.type->name == Corner<double>::name;
+  const bool is_jump = feature.type->name == SurfaceEdge<double>::name;
+  return (is_corner && options_.edge != FixatedEdge::jump) ||
+         (is_jump && options_.edge != FixatedEdge::corner);
+}
+
 const Estimate* Fixate::choose(const std::vector<Estimate>& features, double time) const {
   const Estimate* best = nullptr;
   double least = INFINITY;
@@ -59,13 +67,11 @@ const Estimate* Fixate::choose(const std::vector<Estimate>& features, double tim
     }
   }
   for (const Estimate& feature : features) {
-    if (feature.type->name != RangeEdge<double>::name) continue;
-    const auto edge = payload_of<RangeEdge>(feature);
-    const auto wanted = static_cast<int>(options_.edge) - 1;
-    if (wanted >= 0 && edge.label[0] != wanted) continue;
-    const double distance =
-        follows ? std::hypot(edge.x - expected_x, edge.z - expected_z)
-                : std::abs(wrap_angle(to_the_left(edge.x, edge.z) - expected_bearing()));
+    if (!is_wanted(feature)) continue;
+    const double x = feature.value[0];
+    const double z = feature.value[1];
+    const double distance = follows ? std::hypot(x - expected_x, z - expected_z)
+                                    : std::abs(wrap_angle(to_the_left(x, z) - expected_bearing()));
     if (distance >= least || (follows && distance > options_.gate)) continue;
     least = distance;
     best = &feature;
@@ -102,8 +108,9 @@ Outcome<> Fixate::evaluate(const Evaluation& evaluation, Output& output) {
                              angle / degree, options_.stop / degree)};
   assign<HeadAngle>(output.estimate, {angle});
   const double square = x * x + z * z;
-  const std::array<double, 2> by_now{-(1 + lead) * z / square, (1 + lead) * x / square};
-  const std::array<double, 2> by_before{lead * z / square, -lead * x / square};
+  // An edge also has a direction, which does not matter.
+  const std::array<double, 3> by_now{-(1 + lead) * z / square, (1 + lead) * x / square, 0};
+  const std::array<double, 3> by_before{lead * z / square, -lead * x / square, 0};
   const double by_mount = -1;
   std::array<LineageTerm, 3> terms{{{by_now.data(), &last_->place.lineage},
                                     {&by_mount, &evaluation.parameters.lineage},

@@ -74,6 +74,7 @@ class Fixate final : public Module {
     double time;
     Estimate place;
   };
+  bool is_wanted(const Estimate& feature) const;
   const Estimate* choose(const std::vector<Estimate>& features, double time) const;
   double expected_bearing() const;
 

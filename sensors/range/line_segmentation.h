@@ -5,16 +5,9 @@
 #include <vector>
 
 #include "sensors/range/line_information.h"
+#include "sensors/range/reading_run.h"
 
 namespace ilss {
-
-/// Readings [begin, end) of a scan.
-struct ReadingRun {
-  std::size_t begin = 0;
-  std::size_t end = 0;
-  std::size_t size() const { return end - begin; }
-  bool operator==(const ReadingRun&) const = default;
-};
 
 /// What a further segment has to bring before it is believed.
 struct SegmentationRule {

@@ -99,7 +99,7 @@ TEST(Picture, ShowsReadingsSegmentsEdgesSensorAndScene) {
 
 TEST(Picture, SaysWhatIsWhat) {
   const Drawn drawn("graphs/lep_lines.yaml");
-  for (const char* text : {"ranging: 256 readings", "lines: 2 line_segment, 1 range_edge",
+  for (const char* text : {"ranging: 256 readings", "lines: 2 line_segment, 1 corner",
                            "the scene that lep looks at", "ellipses hold 95 %", "x (m)", "z (m)",
                            "lep_lines, tick 0 at 0.000 s, frame lep"})
     EXPECT_TRUE(drawn.says(text)) << text;

@@ -32,9 +32,9 @@ TEST(SetText, ElementsStandBelowTheirTick) {
       heard.output,
       std::regex("^     0     0.000 s  segments 2\n"
                  " +line_segment  rho 10[0-9.]+ ± [0-9.]+ mm  phi [0-9.]+ ± [0-9.]+ deg  .*"
-                 "  readings [0-9]+  state ended\n"
+                 "  readings [0-9]+  first_reading [0-9]+  last_reading [0-9]+  state ended\n"
                  " +line_segment  .*\n"
-                 " +range_edge    x .* ± .* mm  z .* ± .* mm  kind corner\n")))
+                 " +corner        x .* ± .* mm  z .* ± .* mm  kind real\n")))
       << heard.output;
 }
 
@@ -46,7 +46,7 @@ TEST(SetText, SummaryCountsElementsAndStatesTheirErrorsByType) {
       std::regex("\nlines                       3  - +-\n"
                  "  line_segment              6 +2 a tick: rho [0-9.]+ mm, phi [0-9.]+ deg, "
                  "start_x [0-9.]+ mm, start_z [0-9.]+ mm, end_x [0-9.]+ mm, end_z [0-9.]+ mm\n"
-                 "  range_edge                3 +1 a tick: x [0-9.]+ mm, z [0-9.]+ mm\n")))
+                 "  corner                    3 +1 a tick: x [0-9.]+ mm, z [0-9.]+ mm\n")))
       << heard.output;
 }
 
@@ -92,12 +92,12 @@ TEST(SetText, PredictionShowsEachElementWithItsBudget) {
   EXPECT_TRUE(std::regex_search(
       heard.output, std::regex("^lines: range_features in frame lep, linear_ok\n"
                                "  segments     2\n"
-                               "  elements     2 line_segment, 1 range_edge\n"
+                               "  elements     2 line_segment, 1 corner\n"
                                "\n"
                                "lines 1: line_segment in frame lep\n"
                                "  rho          [^]*"
-                               "\n  readings     [0-9]+\n  state        ended\n[^]*"
-                               "\nlines 3: range_edge in frame lep\n[^]*"
+                               "\n  readings     [0-9]+\n[^]*\n  state        ended\n[^]*"
+                               "\nlines 3: corner in frame lep\n[^]*"
                                "share of the variance\n  source  kind                x          z\n"
                                "  lines   random [^]*\n  lep     systematic ")))
       << heard.output;

@@ -32,7 +32,9 @@ std::vector<const Estimate*> elements_of(const Output& features) {
 inline std::vector<const Estimate*> segments_of(const Output& features) {
   std::vector<const Estimate*> list;
   for (const Estimate& element : features.elements)
-    if (element.type->name != RangeEdge<double>::name) list.push_back(&element);
+    if (element.type->name == LineSegment<double>::name ||
+        element.type->name == ArcSegment<double>::name)
+      list.push_back(&element);
   return list;
 }
 

@@ -66,8 +66,7 @@ struct EdgeTally {
         compare(*segments[i], truth, readings, runs[i],
                 payload_of<RangeScan>(scan.estimate).noise_correlation);
       }
-      for (const Estimate* edge : elements_of<RangeEdge>(result.output)) {
-        if (edge->labels[0] != static_cast<int>(EdgeKind::corner)) continue;
+      for (const Estimate* edge : elements_of<Corner>(result.output)) {
         ++corner_count;
         corners.add(error_of(*edge, 0, {0, apex}));
       }
@@ -171,8 +170,7 @@ struct JumpTally {
   }
 
   void judge_jumps(const Output& features, const std::vector<std::vector<double>>& places) {
-    for (const Estimate* edge : elements_of<RangeEdge>(features)) {
-      if (edge->labels[0] != static_cast<int>(EdgeKind::jump)) continue;
+    for (const Estimate* edge : elements_of<SurfaceEdge>(features)) {
       const std::vector<double>* nearest = nullptr;
       double distance = INFINITY;
       for (const auto& place : places) {
@@ -288,10 +286,10 @@ TEST(LineExtractor, ACornerIsCorrelatedWithItsTwoLinesAndTheseAreNotWithEachOthe
   const ModuleRun result = edge_features(LepRig(edge_scene(1, 120 * degree)), 1);
   ASSERT_TRUE(result.outcome);
   const auto lines = elements_of<LineSegment>(result.output);
-  const auto edges = elements_of<RangeEdge>(result.output);
+  const auto edges = elements_of<Corner>(result.output);
   ASSERT_EQ(lines.size(), 2u);
   ASSERT_EQ(edges.size(), 1u);
-  EXPECT_EQ(edges[0]->labels[0], static_cast<int>(EdgeKind::corner));
+  EXPECT_EQ(edges[0]->labels[0], static_cast<int>(CornerKind::real_corner));
   EXPECT_EQ(cross_covariance(lines[0]->lineage, lines[1]->lineage).norm(), 0);
   const Eigen::Matrix2d corner = edges[0]->lineage.covariance();
   for (const Estimate* line : lines) {

@@ -12,7 +12,7 @@ Estimate segment(double start_x, double start_z, double end_x, double end_z, std
   Estimate element(descriptor<LineSegment>(), "lep");
   element.value = {1, 1, start_x, start_z, end_x, end_z, 20};
   element.labels = {0};
-  const std::vector<double> column = {9, 8, 1, 2, 3, 4, 0};
+  const std::vector<double> column = {9, 8, 1, 2, 3, 4, 0, 0, 0};
   element.lineage.add({owner, 0, 3}, column);
   return element;
 }
@@ -22,7 +22,7 @@ Output three_walls() {
   features.estimate = Estimate(descriptor<RangeFeatures>(), "lep");
   features.elements = {segment(-1, 1, -0.2, 1, 11), segment(-0.1, 2, 0.2, 2, 12),
                        segment(0.3, 1, 2, 1, 13)};
-  Estimate edge(descriptor<RangeEdge>(), "lep");
+  Estimate edge(descriptor<Corner>(), "lep");
   features.elements.push_back(edge);
   return features;
 }
@@ -67,7 +67,7 @@ TEST(WallFromSegments, DetectsNothingWithoutASegment) {
   Output features;
   features.estimate = Estimate(descriptor<RangeFeatures>(), "lep");
   EXPECT_EQ(fault_of(wall({}, features).outcome), "no_detection");
-  features.elements.push_back(Estimate(descriptor<RangeEdge>(), "lep"));
+  features.elements.push_back(Estimate(descriptor<Corner>(), "lep"));
   EXPECT_EQ(fault_of(wall({}, features).outcome), "no_detection") << "an edge is no wall";
 }
 

@@ -1,0 +1,82 @@
+#include "sensors/laser/breakpoints.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "sensors/laser/scan_points.h"
+
+namespace ilss {
+namespace {
+
+/// The sine and cosine of the step between two beams; steps of a scan are alike, so that the last
+/// one's serve again.
+struct Step {
+  double angle = 0;
+  double reach = 0;   ///< sin(step) / sin(lambda - step), infinite from lambda on
+  double cosine = 1;  ///< of the step
+};
+
+Step step_of(double angle, double incidence) {
+  const double positive = std::abs(angle);
+  const double reach =
+      positive < incidence ? std::sin(positive) / std::sin(incidence - positive) : INFINITY;
+  return {angle, reach, std::cos(positive)};
+}
+
+}  // namespace
+
+void Breakpoints::Options::declare(OptionVisitor& visit) {
+  visit("incidence", incidence, "lambda: beams that meet a surface at less break it",
+        {.unit = "rad", .minimum = 0, .maximum = 1.5707963267948966});
+  visit("least_readings", least_readings, "of a cluster", {.minimum = 1, .maximum = 1000000});
+}
+
+Interface Breakpoints::interface() {
+  return {.inputs = {{"scan", &descriptor<LaserScan>()}},
+          .output = &descriptor<SegmentedScan>(),
+          .frame_of_input = 0};
+}
+
+Outcome<> Breakpoints::evaluate(const Evaluation& evaluation, Output& output) {
+  const std::span<const LaserBeam> beams = beams_of(*evaluation.inputs[0]);
+  const double noise = 3 * noise_of(evaluation.input(0)).range_deviation();
+  const std::span<SegmentedBeam> rows = make_rows<SegmentedBeam>(output, beams.size());
+  double segment = 0;
+  std::size_t begin = 0;  // of the open cluster
+  // Ends the open cluster before beam i; its number is the next one's if it was too small.
+  const auto close = [&](std::size_t i) {
+    const bool is_cluster = i - begin >= static_cast<std::size_t>(options_.least_readings);
+    if (is_cluster) ++segment;
+    for (std::size_t k = begin; k < i; ++k) rows[k].segment = is_cluster ? segment : 0;
+  };
+  Step step;
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    const auto [bearing, range] = beams[i];
+    if (!std::isfinite(bearing) || !std::isfinite(range) || range < 0)
+      return Fault{FaultKind::bad_data,
+                   fmt::format("beam {}: bearing {}, range {}", i, bearing, range)};
+    rows[i] = {bearing, range, 0};
+    if (range == 0) {
+      close(i);
+      begin = i + 1;
+      continue;
+    }
+    if (i == begin) continue;
+    const double before = beams[i - 1].range;
+    const double angle = bearing - beams[i - 1].bearing;
+    if (angle != step.angle) step = step_of(angle, options_.incidence);
+    const double square = range * range + before * before - 2 * range * before * step.cosine;
+    const double limit = before * step.reach + noise;
+    if (square <= limit * limit) continue;
+    close(i);
+    begin = i;
+  }
+  if (begin < beams.size()) close(beams.size());
+  if (segment == 0) return Fault{FaultKind::no_detection, "the scan has no cluster of readings"};
+  output.estimate.value = evaluation.input(0).value;
+  output.estimate.lineage = evaluation.input(0).lineage;
+  return {};
+}
+
+}  // namespace ilss

@@ -1,0 +1,66 @@
+// A scan's readings as points of the laser's plane, with what is needed again and again.
+#pragma once
+
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "sensors/laser/segmented_scan.h"
+
+namespace ilss {
+
+/// A reading with its place in the laser's frame (REP 103).
+struct ScanPoint {
+  double bearing = NAN;  ///< rad, counter-clockwise from forward
+  double cosine = 1;     ///< of the bearing
+  double sine = 0;
+  double range = 0;  ///< m; 0: no return
+  double x = 0;      ///< m, forward
+  double y = 0;      ///< m, to the left
+};
+
+/// The noise of a scan's readings, each independent of the others.
+struct LaserNoise {
+  double range_variance = 0;    ///< m², the quantum's q²/12 included
+  double bearing_variance = 0;  ///< rad²
+
+  double range_deviation() const { return std::sqrt(range_variance); }
+  /// Of a reading's place in any direction, at a range (m): the larger of the two (m).
+  double deviation_at(double range) const {
+    return std::sqrt(std::max(range_variance, range * range * bearing_variance));
+  }
+};
+
+/// The noise that a laser_scan or segmented_scan states. `q²/12`: a uniform error within a step.
+inline LaserNoise noise_of(const Estimate& scan) {
+  const double range_std = scan.value[0];
+  const double bearing_std = scan.value[1];
+  const double quantum = scan.value[2];
+  return {range_std * range_std + quantum * quantum / 12, bearing_std * bearing_std};
+}
+
+/// A scan's points. Beams that point where they did in the scan before cost no sine and cosine.
+class ScanPoints {
+ public:
+  template <typename Beam>
+  std::span<const ScanPoint> update(std::span<const Beam> beams) {
+    points_.resize(beams.size());
+    for (std::size_t i = 0; i < beams.size(); ++i) {
+      ScanPoint& point = points_[i];
+      if (point.bearing != beams[i].bearing) {
+        point.bearing = beams[i].bearing;
+        point.cosine = std::cos(point.bearing);
+        point.sine = std::sin(point.bearing);
+      }
+      point.range = beams[i].range;
+      point.x = point.range * point.cosine;
+      point.y = point.range * point.sine;
+    }
+    return points_;
+  }
+
+ private:
+  std::vector<ScanPoint> points_;
+};
+
+}  // namespace ilss
