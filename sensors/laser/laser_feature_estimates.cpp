@@ -186,10 +186,8 @@ void LaserFeatureWriter::add_line(std::size_t index, const LaserSegment& segment
     column.template segment<2>(4) = turn(end.by_bearing) * bearing_std;
     element.lineage.add(source(index, column_of_end), column_of<rows>(column));
   }
-  // A short line turns about its middle, and its distance from the origin then changes by
-  // -rho (change of phi)² / 2. First order does not see that; here is its root mean square.
-  const double second_order = std::sqrt(0.75) * element.value[0] * line.covariance(1, 1);
-  element.lineage.add(source(index, column_of_second_order), 0, second_order);
+  element.lineage.add(source(index, column_of_second_order), 0,
+                      std::sqrt(line.second_order_variance()));
 }
 
 void LaserFeatureWriter::add_arc(std::size_t index, const LaserSegment& segment,

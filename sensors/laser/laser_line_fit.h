@@ -20,6 +20,13 @@ struct LaserLineFit {
   double chi_squared = 0;                              ///< of the readings about it
   double bend = 0;           ///< chi² that a parabola in place of the line would save
   std::size_t readings = 0;  ///< two of them are its degrees of freedom
+
+  /// A short line turns about its middle, and rho then changes by -rho (change of alpha)² / 2, which
+  /// first order does not see: its mean square (m²). Independent of the covariance.
+  double second_order_variance() const {
+    const double change = rho * covariance(1, 1);
+    return 0.75 * change * change;
+  }
 };
 
 /// The line that makes the readings most likely. A reading's range differs from the line's,
