@@ -14,6 +14,8 @@
 #include "sensors/laser/iterative_end_point_fit.h"
 #include "sensors/laser/laser_log.h"
 #include "sensors/laser/laser_ranging.h"
+#include "sensors/laser/laser_scene.h"
+#include "sensors/laser/laser_scene_features.h"
 #include "sensors/lep/lep_detector.h"
 #include "sensors/lep/lep_ranging.h"
 #include "sensors/lep/lep_sensor.h"
@@ -44,6 +46,8 @@ void register_sensors(Registry& registry) {
   registry.add<Segmenter<IterativeEndPointFit>>();
   registry.add<LaserLog>();
   registry.add<LaserRanging>();
+  registry.add<LaserScene>();
+  registry.add<LaserSceneFeatures>();
   registry.add<LepRanging>();
   registry.add<LepSensor>();
   registry.add<LineExtractor>();
