@@ -12,6 +12,7 @@
 #include "sensors/fusion/fuse.h"
 #include "sensors/laser/breakpoints.h"
 #include "sensors/laser/iterative_end_point_fit.h"
+#include "sensors/laser/laser_features.h"
 #include "sensors/laser/laser_log.h"
 #include "sensors/laser/laser_ranging.h"
 #include "sensors/laser/laser_scene.h"
@@ -44,6 +45,7 @@ void register_sensors(Registry& registry) {
   registry.add<Fuse>();
   registry.add(expression_type());
   registry.add<Segmenter<IterativeEndPointFit>>();
+  registry.add<LaserFeatures>();
   registry.add<LaserLog>();
   registry.add<LaserRanging>();
   registry.add<LaserScene>();
