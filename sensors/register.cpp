@@ -15,6 +15,8 @@
 #include "sensors/laser/laser_features.h"
 #include "sensors/laser/laser_log.h"
 #include "sensors/laser/laser_ranging.h"
+#include "sensors/laser/laser_scene.h"
+#include "sensors/laser/laser_scene_features.h"
 #include "sensors/lep/lep_detector.h"
 #include "sensors/lep/lep_ranging.h"
 #include "sensors/lep/lep_sensor.h"
@@ -46,6 +48,8 @@ void register_sensors(Registry& registry) {
   registry.add<LaserFeatures>();
   registry.add<LaserLog>();
   registry.add<LaserRanging>();
+  registry.add<LaserScene>();
+  registry.add<LaserSceneFeatures>();
   registry.add<LepRanging>();
   registry.add<LepSensor>();
   registry.add<LineExtractor>();
