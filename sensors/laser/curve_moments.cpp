@@ -67,17 +67,38 @@ CircleCost CurveMoments::circle() const {
   return {w * std::max(0.0, root), std::sqrt(cx * cx + cy * cy + z)};
 }
 
+namespace {
+
+struct Direction {
+  double x, y;
+};
+
+/// From neighbours before a point to neighbours behind it, at least so far apart (m²) that noise
+/// hardly turns it.
+Direction direction_at(std::span<const ScanPoint> points, std::size_t i, double least_square) {
+  constexpr std::size_t least_reach = 3;
+  constexpr std::size_t most_reach = 40;
+  Direction direction{};
+  for (std::size_t reach = least_reach; reach <= most_reach; reach += 2) {
+    const ScanPoint& before = points[i - std::min(i, reach)];
+    const ScanPoint& after = points[std::min(points.size() - 1, i + reach)];
+    direction = {after.x - before.x, after.y - before.y};
+    if (direction.x * direction.x + direction.y * direction.y >= least_square) break;
+  }
+  return direction;
+}
+
+}  // namespace
+
 void CurveMomentSums::set(std::span<const ScanPoint> points, const LaserNoise& noise) {
-  constexpr std::size_t reach = 3;  // neighbours to either side that tell the surface's direction
+  constexpr double clear = 10;  // standard deviations
+  const double least_square = clear * clear * noise.range_variance;
   sums_.assign(1, {});
   if (points.empty()) return;
   const std::size_t n = points.size();
   const ScanPoint& origin = points[n / 2];
   for (std::size_t i = 0; i < n; ++i) {
-    const ScanPoint& before = points[i - std::min(i, reach)];
-    const ScanPoint& after = points[std::min(n - 1, i + reach)];
-    const double dx = after.x - before.x;
-    const double dy = after.y - before.y;
+    const auto [dx, dy] = direction_at(points, i, least_square);
     const ScanPoint& p = points[i];
     const double length = dx * dx + dy * dy;
     const double across = dy * p.cosine - dx * p.sine;  // of the beam, times the length

@@ -6,16 +6,6 @@
 #include "sensors/laser/laser_segment.h"
 
 namespace ilss {
-namespace {
-
-/// A fit's squared residual of a reading in standard deviations, by range.
-double squared_residual(const LaserSegment& segment, const ScanPoint& p, const LaserNoise& noise) {
-  return segment.arc ? squared_residual(*segment.arc, p, noise)
-                     : squared_residual(segment.line, p, noise);
-}
-
-}  // namespace
-
 void MaximumLikelihoodSegments::Options::declare(OptionVisitor& visit) {
   visit("line_cost", line_cost, "chi² that a line must save", {.minimum = 1});
   visit("arc_cost", arc_cost, "chi² that an arc must save", {.minimum = 1});

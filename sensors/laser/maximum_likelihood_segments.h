@@ -26,7 +26,7 @@ class MaximumLikelihoodSegments {
     double outlier_cost = 12;
     double least_radius = 0.1;
     double largest_radius = 3;
-    std::int64_t stride = 2;
+    std::int64_t stride = 3;
     void declare(OptionVisitor& visit);
   };
 
