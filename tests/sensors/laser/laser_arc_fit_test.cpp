@@ -26,8 +26,8 @@ struct Scan {
   std::vector<ScanPoint> points;
 };
 
-/// A pillar of radius 0.3 to 1.5 m that is seen over 60 to `most` degrees of its circle, by at least
-/// ten beams half a degree apart.
+/// A pillar of radius 0.3 to 1.5 m that is seen over 60 to `most` degrees of its circle, by at
+/// least ten beams half a degree apart.
 Scan random_pillar(double most, const LaserDevice& device, std::mt19937_64& draw) {
   std::uniform_real_distribution<double> unit;
   while (true) {
@@ -73,7 +73,6 @@ double mean_nees(const LaserDevice& device, const Draw& draw_scan) {
                                 fit->radius - scan.circle.radius);
     sum += error.dot(fit->covariance.inverse() * error);
   }
-  std::printf("nees %.3f\n", sum / runs);
   return sum / runs;
 }
 

@@ -60,7 +60,6 @@ double mean_nees(double least, double most, const LaserDevice& device) {
     covariance(0, 0) += fit->second_order_variance();
     sum += error.dot(covariance.inverse() * error);
   }
-  std::printf("nees %.3f\n", sum / runs);
   return sum / runs;
 }
 
@@ -89,12 +88,12 @@ TEST_P(LaserLineNees, IsTwoForWallsSeen50To75DegreesOffCentre) {
   EXPECT_LT(nees, 2.1);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Devices, LaserLineNees,
-    testing::Values(Device{"Protocol", {0.005, 0.1 * degree}}, Device{"Noisy", {0.02, 0.1 * degree}},
-                    Device{"NoBearingNoise", {0.01, 0}},
-                    Device{"Quantised", {0.008, 0.05 * degree, 0.01}}),
-    [](const auto& device) { return device.param.name; });
+INSTANTIATE_TEST_SUITE_P(Devices, LaserLineNees,
+                         testing::Values(Device{"Protocol", {0.005, 0.1 * degree}},
+                                         Device{"Noisy", {0.02, 0.1 * degree}},
+                                         Device{"NoBearingNoise", {0.01, 0}},
+                                         Device{"Quantised", {0.008, 0.05 * degree, 0.01}}),
+                         [](const auto& device) { return device.param.name; });
 
 }  // namespace
 }  // namespace ilss
