@@ -8,6 +8,7 @@
 #include "framework/estimate/units.h"
 #include "framework/graph/recording.h"
 #include "framework/graph/value_reader.h"
+#include "framework/study/judge_reader.h"
 #include "framework/study/study_settings.h"
 
 namespace ilss {
@@ -76,6 +77,7 @@ class StudyReader {
  private:
   void read_payload(const std::string& name);
   void read_requirement();
+  void read_set_keys(const std::vector<Side>& sides);
   Side read_side(const std::string& name, const Node& node, Position position);
   void read_rows(const Node& node, Side& side);
   std::optional<std::size_t> read_column(const Node& node, const Component& component,
@@ -95,6 +97,7 @@ class StudyReader {
   Diagnostics& diagnostics_;
   Study study_;
   std::map<std::filesystem::path, Recording> recordings_;
+  std::optional<Side> tolerated_;
 };
 
 std::optional<Study> StudyReader::read() {
@@ -112,7 +115,9 @@ std::optional<Study> StudyReader::read() {
                      "take it");
     return std::nullopt;
   }
-  std::vector<std::string> known = {"requirement", "truth", "alternatives", "cases", "sweep"};
+  std::vector<std::string> known = {"requirement",     "truth",     "alternatives",
+                                    "cases",           "sweep",     "judge",
+                                    "validation_gate", "reference", "tolerated"};
   for (const ParameterDeclaration& d : declare_options<StudyOptions>()) known.push_back(d.name);
   check_map_keys(root_, "a study", known, diagnostics_);
   const auto options = read_options<StudyOptions>(&root_, directory_, diagnostics_, root_.position);
@@ -132,7 +137,11 @@ std::optional<Study> StudyReader::read() {
   else
     sides.insert(sides.begin(), read_side("truth", *truth, truth->position));
   if (sides.empty() || truth == nullptr || !sides.front().stated) return std::nullopt;
+  if (const Node* tolerated = root_.find("tolerated"))
+    tolerated_ = read_side("tolerated", *tolerated, tolerated->position);
+  if (tolerated_) sides.push_back(*tolerated_);
   check_kinds(sides);
+  read_set_keys(sides);
   study_.recorded = sides.front().recorded;
   if (study_.recorded)
     add_recorded_cases(sides);
@@ -189,6 +198,51 @@ void StudyReader::read_requirement() {
                        fmt::format("the largest error must be above 0, got '{}'", limit->text));
     else
       study_.requirement[i] = std::get<double>(value);
+  }
+}
+
+/// Reads what only studies of sets have, and reports it in others.
+void StudyReader::read_set_keys(const std::vector<Side>& sides) {
+  const auto complain = [&](const char* key, std::string_view what) {
+    if (const Node* node = root_.find(key))
+      diagnostics_.add(node->position, fmt::format("'{}' is for studies of {}; {} is {}", key, what,
+                                                   study_.payload->name,
+                                                   study_.compares_sets() ? "a set" : "no set"));
+  };
+  if (!study_.compares_sets()) {
+    for (const char* key : {"judge", "validation_gate", "reference", "tolerated"})
+      complain(key, "sets");
+    return;
+  }
+  for (const char* key : {"requirement", "draw_systematic_errors"})
+    complain(key, "single estimates");
+  if (sides.front().recorded)
+    diagnostics_.add(sides.front().position,
+                     "a study of sets compares graphs; recordings hold no sets");
+  if (const Node* judge = root_.find("judge"))
+    study_.judged = read_judge(*judge, *study_.payload, diagnostics_);
+  else
+    diagnostics_.add(root_.position,
+                     fmt::format("a study of sets needs judge: a map of {} to the components that "
+                                 "are judged",
+                                 study_.payload->element));
+  if (const Node* gate = root_.find("validation_gate")) {
+    const auto value = parse_quantity(gate->is_scalar() ? gate->text : "", "1");
+    if (const double* number = std::get_if<double>(&value); number != nullptr && *number > 0)
+      study_.validation_gate = *number;
+    else
+      diagnostics_.add(gate->position,
+                       "expected a chi-square value above 0, got " + gate->description());
+  }
+  if (const Node* reference = root_.find("reference")) {
+    const auto& names = study_.alternatives;
+    const auto found = std::find(names.begin(), names.end(), reference->text);
+    if (reference->is_scalar() && found != names.end())
+      study_.reference = static_cast<std::size_t>(found - names.begin());
+    else
+      diagnostics_.add(reference->position,
+                       fmt::format("no alternative is named {}{}", reference->description(),
+                                   suggestion(reference->text, names)));
   }
 }
 
@@ -405,6 +459,10 @@ void StudyReader::add_system_cases(const std::vector<Side>& sides) {
                                      "put a transform at its end",
                                      sides[i].name, study_.payload->name, other, frame));
       one.alternatives.emplace_back(std::move(*plans[i]));
+    }
+    if (tolerated_) {
+      one.tolerated = std::get<Plan>(std::move(one.alternatives.back()));
+      one.alternatives.pop_back();
     }
     study_.cases.push_back(std::move(one));
   }
