@@ -17,6 +17,7 @@
 #include "sensors/laser/laser_ranging.h"
 #include "sensors/laser/laser_scene.h"
 #include "sensors/laser/laser_scene_features.h"
+#include "sensors/laser/laser_scene_segments.h"
 #include "sensors/laser/maximum_likelihood_segments.h"
 #include "sensors/lep/lep_detector.h"
 #include "sensors/lep/lep_ranging.h"
@@ -51,6 +52,7 @@ void register_sensors(Registry& registry) {
   registry.add<LaserRanging>();
   registry.add<LaserScene>();
   registry.add<LaserSceneFeatures>();
+  registry.add<LaserSceneSegments>();
   registry.add<LepRanging>();
   registry.add<LepSensor>();
   registry.add<LineExtractor>();

@@ -31,6 +31,14 @@ int compare_study(const Arguments& arguments, Session& session) {
                                      arguments.study));
   if (arguments.runs) study->runs = *arguments.runs;
   if (arguments.seed) study->seed = *arguments.seed;
+  if (study->compares_sets()) {
+    const std::vector<SetCase> cases = compare_sets(*study);
+    if (arguments.json)
+      fmt::print("{}\n", json_text(set_comparison_json(*study, cases)));
+    else
+      fmt::print("{}", set_comparison_text(*study, cases));
+    return exit_fine;
+  }
   const Comparison comparison = compare(*study);
   if (arguments.json)
     fmt::print("{}\n", json_text(comparison_json(*study, comparison)));

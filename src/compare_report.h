@@ -4,6 +4,7 @@
 #include <string>
 
 #include "framework/study/comparison.h"
+#include "framework/study/set_comparison.h"
 #include "src/estimate_json.h"
 
 namespace ilss {
@@ -13,5 +14,10 @@ std::string comparison_text(const Study& study, const Comparison& comparison);
 
 /// Every figure, SI units.
 Json comparison_json(const Study& study, const Comparison& comparison);
+
+/// The same of a study of sets: a table for each case and payload of elements, a row an
+/// alternative.
+std::string set_comparison_text(const Study& study, const std::vector<SetCase>& cases);
+Json set_comparison_json(const Study& study, const std::vector<SetCase>& cases);
 
 }  // namespace ilss

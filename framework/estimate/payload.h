@@ -34,7 +34,7 @@ struct SamplesDescriptor {
 };
 
 /// A payload's type. `element` names the payloads that a set's elements may have, empty where it is
-/// not a set.
+/// not a set; `elements` are these, where they are declared.
 struct PayloadDescriptor {
   std::string name;
   std::string documentation;
@@ -42,6 +42,7 @@ struct PayloadDescriptor {
   std::vector<Label> labels = {};
   std::optional<SamplesDescriptor> samples = {};
   std::string element = {};
+  std::vector<const PayloadDescriptor*> elements = {};
 
   std::size_t dimension() const { return components.size(); }
   /// The index of a component, if there is one of that name.
@@ -64,7 +65,7 @@ bool same_payload(const PayloadDescriptor& a, const PayloadDescriptor& b);
 const PayloadDescriptor& intern_payload(PayloadDescriptor payload);
 
 /// The descriptor of a struct payload, made from its `name` and `fields` (and `labels`,
-/// `samples`, `element`).
+/// `samples`, `element`, `elements()`).
 template <template <typename> class Payload>
 requires NumericPayload<Payload>
 const PayloadDescriptor& descriptor() {
@@ -84,6 +85,7 @@ const PayloadDescriptor& descriptor() {
         d.labels.push_back({std::string(label.name), {label.values.begin(), label.values.end()}});
     if constexpr (requires { P::samples; }) d.samples = P::samples();
     if constexpr (requires { P::element; }) d.element = P::element;
+    if constexpr (requires { P::elements(); }) d.elements = P::elements();
     return d;
   }();
   return result;

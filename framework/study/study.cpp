@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "framework/estimate/units.h"
 #include "framework/graph/recording.h"
 #include "framework/graph/value_reader.h"
+#include "framework/study/judge_reader.h"
+#include "framework/study/study_settings.h"
 
 namespace ilss {
 namespace {
-
-constexpr std::size_t most_cases = 10'000;
 
 /// The keys of a study that hold one plain value each.
 struct StudyOptions {
@@ -58,20 +57,6 @@ struct Side {
   std::filesystem::path directory = {};
 };
 
-/// A case of systems: constants of their graphs to set.
-struct Setting {
-  std::string name;
-  std::vector<Override> constants;
-};
-
-void check_map_keys(const Node& map, std::string_view owner, const std::vector<std::string>& known,
-                    Diagnostics& diagnostics) {
-  for (const Node& key : map.keys)
-    if (std::find(known.begin(), known.end(), key.text) == known.end())
-      diagnostics.add(key.position, fmt::format("{} has no key '{}'{}", owner, key.text,
-                                                suggestion(key.text, known)));
-}
-
 std::vector<std::string> component_names(const PayloadDescriptor& payload) {
   std::vector<std::string> names;
   for (const Component& component : payload.components) names.push_back(component.name);
@@ -92,6 +77,7 @@ class StudyReader {
  private:
   void read_payload(const std::string& name);
   void read_requirement();
+  void read_set_keys(const std::vector<Side>& sides);
   Side read_side(const std::string& name, const Node& node, Position position);
   void read_rows(const Node& node, Side& side);
   std::optional<std::size_t> read_column(const Node& node, const Component& component,
@@ -101,11 +87,7 @@ class StudyReader {
   void add_recorded_cases(const std::vector<Side>& sides);
   std::vector<std::string> read_recorded_names(std::size_t rows);
   void add_system_cases(const std::vector<Side>& sides);
-  std::vector<Setting> read_settings();
   void check_constants(const std::vector<Side>& sides, std::vector<Setting>& settings);
-  std::vector<Setting> read_case_list(const Node& list);
-  std::vector<Setting> read_sweep(const Node& map);
-  std::vector<Node> read_sweep_values(const Node& name, const Node& range);
   std::optional<Plan> read_plan_of(const Side& side, const Setting& setting);
   const Recording& recording(const Node& path);
 
@@ -115,6 +97,7 @@ class StudyReader {
   Diagnostics& diagnostics_;
   Study study_;
   std::map<std::filesystem::path, Recording> recordings_;
+  std::optional<Side> tolerated_;
 };
 
 std::optional<Study> StudyReader::read() {
@@ -132,7 +115,9 @@ std::optional<Study> StudyReader::read() {
                      "take it");
     return std::nullopt;
   }
-  std::vector<std::string> known = {"requirement", "truth", "alternatives", "cases", "sweep"};
+  std::vector<std::string> known = {"requirement",     "truth",     "alternatives",
+                                    "cases",           "sweep",     "judge",
+                                    "validation_gate", "reference", "tolerated"};
   for (const ParameterDeclaration& d : declare_options<StudyOptions>()) known.push_back(d.name);
   check_map_keys(root_, "a study", known, diagnostics_);
   const auto options = read_options<StudyOptions>(&root_, directory_, diagnostics_, root_.position);
@@ -152,7 +137,11 @@ std::optional<Study> StudyReader::read() {
   else
     sides.insert(sides.begin(), read_side("truth", *truth, truth->position));
   if (sides.empty() || truth == nullptr || !sides.front().stated) return std::nullopt;
+  if (const Node* tolerated = root_.find("tolerated"))
+    tolerated_ = read_side("tolerated", *tolerated, tolerated->position);
+  if (tolerated_) sides.push_back(*tolerated_);
   check_kinds(sides);
+  read_set_keys(sides);
   study_.recorded = sides.front().recorded;
   if (study_.recorded)
     add_recorded_cases(sides);
@@ -209,6 +198,51 @@ void StudyReader::read_requirement() {
                        fmt::format("the largest error must be above 0, got '{}'", limit->text));
     else
       study_.requirement[i] = std::get<double>(value);
+  }
+}
+
+/// Reads what only studies of sets have, and reports it in others.
+void StudyReader::read_set_keys(const std::vector<Side>& sides) {
+  const auto complain = [&](const char* key, std::string_view what) {
+    if (const Node* node = root_.find(key))
+      diagnostics_.add(node->position, fmt::format("'{}' is for studies of {}; {} is {}", key, what,
+                                                   study_.payload->name,
+                                                   study_.compares_sets() ? "a set" : "no set"));
+  };
+  if (!study_.compares_sets()) {
+    for (const char* key : {"judge", "validation_gate", "reference", "tolerated"})
+      complain(key, "sets");
+    return;
+  }
+  for (const char* key : {"requirement", "draw_systematic_errors"})
+    complain(key, "single estimates");
+  if (sides.front().recorded)
+    diagnostics_.add(sides.front().position,
+                     "a study of sets compares graphs; recordings hold no sets");
+  if (const Node* judge = root_.find("judge"))
+    study_.judged = read_judge(*judge, *study_.payload, diagnostics_);
+  else
+    diagnostics_.add(root_.position,
+                     fmt::format("a study of sets needs judge: a map of {} to the components that "
+                                 "are judged",
+                                 study_.payload->element));
+  if (const Node* gate = root_.find("validation_gate")) {
+    const auto value = parse_quantity(gate->is_scalar() ? gate->text : "", "1");
+    if (const double* number = std::get_if<double>(&value); number != nullptr && *number > 0)
+      study_.validation_gate = *number;
+    else
+      diagnostics_.add(gate->position,
+                       "expected a chi-square value above 0, got " + gate->description());
+  }
+  if (const Node* reference = root_.find("reference")) {
+    const auto& names = study_.alternatives;
+    const auto found = std::find(names.begin(), names.end(), reference->text);
+    if (reference->is_scalar() && found != names.end())
+      study_.reference = static_cast<std::size_t>(found - names.begin());
+    else
+      diagnostics_.add(reference->position,
+                       fmt::format("no alternative is named {}{}", reference->description(),
+                                   suggestion(reference->text, names)));
   }
 }
 
@@ -406,7 +440,7 @@ std::vector<std::string> StudyReader::read_recorded_names(std::size_t rows) {
 }
 
 void StudyReader::add_system_cases(const std::vector<Side>& sides) {
-  std::vector<Setting> settings = read_settings();
+  std::vector<Setting> settings = read_settings(root_, diagnostics_);
   check_constants(sides, settings);
   for (const Setting& setting : settings) {
     std::vector<std::optional<Plan>> plans;
@@ -425,6 +459,10 @@ void StudyReader::add_system_cases(const std::vector<Side>& sides) {
                                      "put a transform at its end",
                                      sides[i].name, study_.payload->name, other, frame));
       one.alternatives.emplace_back(std::move(*plans[i]));
+    }
+    if (tolerated_) {
+      one.tolerated = std::get<Plan>(std::move(one.alternatives.back()));
+      one.alternatives.pop_back();
     }
     study_.cases.push_back(std::move(one));
   }
@@ -466,114 +504,6 @@ std::optional<Plan> StudyReader::read_plan_of(const Side& side, const Setting& s
   diagnostics_.add(side.position, fmt::format("'{}' gives {}, but the study compares {}", side.name,
                                               output.interface.output->name, study_.payload->name));
   return std::nullopt;
-}
-
-std::vector<Setting> StudyReader::read_settings() {
-  const Node* cases = root_.find("cases");
-  const Node* sweep = root_.find("sweep");
-  if ((cases == nullptr) == (sweep == nullptr)) {
-    diagnostics_.add(sweep == nullptr ? root_.position : sweep->position,
-                     "a study of graphs needs either cases: a list of {name, CONSTANT: VALUE}, or "
-                     "sweep: {CONSTANT: {from, to, steps}}");
-    return {};
-  }
-  return cases != nullptr ? read_case_list(*cases) : read_sweep(*sweep);
-}
-
-std::vector<Setting> StudyReader::read_case_list(const Node& list) {
-  std::vector<Setting> settings;
-  if (!list.is_list() || list.size() == 0 || list.size() > most_cases) {
-    diagnostics_.add(list.position,
-                     fmt::format("expected a list of 1 to {} cases, each {{name, CONSTANT: VALUE}}",
-                                 most_cases));
-    return settings;
-  }
-  std::set<std::string> names;
-  for (const Node& entry : list.values) {
-    const Node* name = entry.is_map() ? entry.find("name") : nullptr;
-    if (name == nullptr || !name->is_scalar()) {
-      diagnostics_.add(entry.position, "a case needs a name");
-      continue;
-    }
-    if (!names.insert(name->text).second)
-      diagnostics_.add(name->position, fmt::format("a second case is named '{}'", name->text));
-    Setting& setting = settings.emplace_back(Setting{name->text, {}});
-    for (std::size_t i = 0; i < entry.size(); ++i)
-      if (entry.keys[i].text != "name")
-        setting.constants.push_back(
-            {"constants." + entry.keys[i].text, entry.values[i], entry.keys[i].position});
-  }
-  return settings;
-}
-
-std::vector<Setting> StudyReader::read_sweep(const Node& map) {
-  if (!map.is_map() || map.size() == 0) {
-    diagnostics_.add(map.position,
-                     "expected a map of constants to {from, to, steps}, got " + map.description());
-    return {};
-  }
-  // Every value of one constant with every value of the others.
-  std::vector<Setting> settings = {{}};
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    const std::vector<Node> values = read_sweep_values(map.keys[i], map.values[i]);
-    if (values.empty()) return {};
-    if (settings.size() * values.size() > most_cases) {
-      diagnostics_.add(map.position, fmt::format("a sweep has at most {} cases", most_cases));
-      return {};
-    }
-    std::vector<Setting> grid;
-    for (const Setting& setting : settings)
-      for (const Node& value : values) {
-        Setting& next = grid.emplace_back(setting);
-        next.name +=
-            fmt::format("{}{} {}", next.name.empty() ? "" : ", ", map.keys[i].text, value.text);
-        next.constants.push_back({"constants." + map.keys[i].text, value, map.keys[i].position});
-      }
-    settings = std::move(grid);
-  }
-  return settings;
-}
-
-std::vector<Node> StudyReader::read_sweep_values(const Node& name, const Node& range) {
-  const Node* ends[2] = {range.find("from"), range.find("to")};
-  const Node* steps_node = range.find("steps");
-  if (!range.is_map() || ends[0] == nullptr || ends[1] == nullptr || steps_node == nullptr) {
-    diagnostics_.add(range.position, fmt::format("'{}' needs from, to and steps", name.text));
-    return {};
-  }
-  const std::size_t errors = diagnostics_.size();
-  check_map_keys(range, name.text, {"from", "to", "steps"}, diagnostics_);
-  const auto from = read_quantity(*ends[0], diagnostics_);
-  const auto to = read_quantity(*ends[1], diagnostics_);
-  const auto steps = parse_quantity(steps_node->is_scalar() ? steps_node->text : "", "1");
-  const double* count = std::get_if<double>(&steps);
-  if (count == nullptr || *count < 2 || *count > static_cast<double>(most_cases) ||
-      *count != static_cast<double>(static_cast<std::int64_t>(*count)))
-    diagnostics_.add(steps_node->position,
-                     fmt::format("expected a whole number of steps from 2 to {}, got {}",
-                                 most_cases, steps_node->description()));
-  if (diagnostics_.size() != errors) return {};
-  // A bare 0 takes the other end's unit.
-  const std::string unit = from->unit.empty() && from->number == 0 ? to->unit : from->unit;
-  UnitConversion conversion;
-  if (to->unit != unit && !(to->unit.empty() && to->number == 0)) {
-    const auto converted =
-        unit_conversion(to->unit.empty() ? "1" : to->unit, unit.empty() ? "1" : unit);
-    if (const auto* error = std::get_if<std::string>(&converted)) {
-      diagnostics_.add(to->position, *error);
-      return {};
-    }
-    conversion = std::get<UnitConversion>(converted);
-  }
-  const double last = conversion.scale * to->number + conversion.offset;
-  std::vector<Node> values;
-  for (int i = 0; i < static_cast<int>(*count); ++i) {
-    const double number = from->number + (last - from->number) * i / (*count - 1);
-    // Rounded to where binary fractions do not show: the name of the case is this text.
-    values.push_back({Node::Kind::scalar, range.position, false,
-                      fmt::format("{:.12g}{}{}", number, unit.empty() ? "" : " ", unit)});
-  }
-  return values;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "framework/graph/plan.h"
+#include "framework/study/set_matching.h"
 
 namespace ilss {
 
@@ -21,6 +22,7 @@ struct StudyCase {
   std::string name;
   StudySource truth;
   std::vector<StudySource> alternatives;  ///< in the order of Study::alternatives
+  std::optional<Plan> tolerated = {};     ///< of sets: what is no mistake to find
 };
 
 /// A study after every check has passed.
@@ -37,6 +39,11 @@ struct Study {
   std::uint64_t seed = 1;
   bool draw_systematic_errors = true;  ///< whether constants are wrong by another draw in each run
 
+  std::vector<ElementRule> judged = {};        ///< of sets: how elements are judged
+  std::optional<double> validation_gate = {};  ///< of sets: a chi² to count matches within
+  std::optional<std::size_t> reference = {};   ///< of sets: the alternative to relate sd to
+
+  bool compares_sets() const { return !payload->element.empty(); }
   bool has_requirement() const {
     return std::any_of(requirement.begin(), requirement.end(),
                        [](const auto& limit) { return limit.has_value(); });

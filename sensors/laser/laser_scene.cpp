@@ -17,17 +17,9 @@ Interface LaserScene::interface(const Options& options) {
 Outcome<> LaserScene::scan(const Evaluation& evaluation, bool noisy, Output& output) {
   const Outcome<LaserStand> stand = world_.enter(evaluation);
   if (!stand) return stand.fault();
-  const auto p = payload_of<LaserWorldParameters>(evaluation.parameters);
-  const double quantum = options_.world.quantum;
-  const LaserErrors errors =
-      noisy ? LaserErrors{p.range_std, p.bearing_std, quantum} : LaserErrors{};
-  simulate_scan(world_.caster(), world_.sweep(), *stand, errors,
-                derive_seed(evaluation.seed, "noise"), make_beams(output, world_.sweep().beams));
-  assign<LaserScan>(output.estimate, {.range_std = p.range_std,
-                                      .bearing_std = p.bearing_std,
-                                      .quantum = quantum,
-                                      .max_range = options_.world.max_range});
-  output.acquired = evaluation.time - options_.world.sweep_time;
+  world_.scan(evaluation, *stand, noisy, make_beams(output, world_.sweep().beams));
+  assign<LaserScan>(output.estimate, world_.description(evaluation));
+  output.acquired = evaluation.time - world_.sweep().duration;
   return {};
 }
 

@@ -10,6 +10,8 @@ namespace {
 /// How many rays stand for a beam with a width.
 constexpr int rays_of_beam = 9;
 
+constexpr RayHit no_hit{0, no_surface};
+
 /// The laser's pose while it sends each beam.
 class SweepPoses {
  public:
@@ -36,11 +38,11 @@ std::optional<RayHit> cast(const RayCaster& scene, const ScenePose& laser, doubl
   return scene.cast({laser.x, laser.z}, std::cos(angle), std::sin(angle), max_range);
 }
 
-/// The range of a beam with a width; 0: no return.
-double beam_range(const RayCaster& scene, const ScenePose& laser, double bearing,
-                  const LaserSweep& sweep) {
+/// What a beam with a width gives. A range of 0: no return.
+RayHit beam_hit(const RayCaster& scene, const ScenePose& laser, double bearing,
+                const LaserSweep& sweep) {
   const std::optional<RayHit> centre = cast(scene, laser, bearing, sweep.max_range);
-  if (sweep.beam_width == 0) return centre ? centre->range : 0;
+  if (sweep.beam_width == 0) return centre.value_or(no_hit);
   double sum = 0;
   int returned = 0;
   bool mixed = false;
@@ -53,8 +55,8 @@ double beam_range(const RayCaster& scene, const ScenePose& laser, double bearing
     sum += hit->range;
     ++returned;
   }
-  if (mixed) return sum / returned;
-  return centre ? centre->range : 0;
+  if (mixed) return {sum / returned, no_surface};
+  return centre.value_or(no_hit);
 }
 
 }  // namespace
@@ -80,19 +82,23 @@ void trace_beams(const RayCaster& scene, const LaserSweep& sweep, const LaserSta
 }
 
 void simulate_scan(const RayCaster& scene, const LaserSweep& sweep, const LaserStand& stand,
-                   const LaserErrors& errors, std::uint64_t seed, std::span<LaserBeam> scan) {
+                   const LaserErrors& errors, std::uint64_t seed, std::span<LaserBeam> scan,
+                   std::span<std::size_t> surfaces) {
   RandomBits random(seed);
   const SweepPoses poses(sweep, stand);
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const double bearing = sweep.bearing(i);
     const double bearing_error = errors.bearing_std * draw_normal(random);
     const double range_error = errors.range_std * draw_normal(random);
-    double range = beam_range(scene, poses.at(i), bearing + bearing_error, sweep);
+    const RayHit hit = beam_hit(scene, poses.at(i), bearing + bearing_error, sweep);
+    double range = hit.range;
     if (range > 0) {
       range += range_error;
       if (errors.quantum > 0) range = std::round(range / errors.quantum) * errors.quantum;
     }
-    scan[i] = {bearing, range > 0 && range <= sweep.max_range ? range : 0};
+    const bool returned = range > 0 && range <= sweep.max_range;
+    scan[i] = {bearing, returned ? range : 0};
+    if (!surfaces.empty()) surfaces[i] = returned ? hit.surface : no_surface;
   }
 }
 

@@ -53,9 +53,13 @@ void trace_beams(const RayCaster& scene, const LaserSweep& sweep, const LaserSta
 /// whole quanta; a range beyond max_range, or of 0 by its error, is no return. A beam with a width
 /// is several rays, and where these meet unlike surfaces, its range is the mean of those that come
 /// back. `scan` has `sweep.beams` rows. As many random numbers are drawn whatever the beams meet,
-/// so scans of unlike errors of one seed have the same errors but for their sizes.
+/// so scans of unlike errors of one seed have the same errors but for their sizes. Where `surfaces`
+/// is not empty, it has as many places, for which surface each beam has its range from: an index
+/// as RayHit's, `no_surface` for no return and a mixture.
 void simulate_scan(const RayCaster& scene, const LaserSweep& sweep, const LaserStand& stand,
-                   const LaserErrors& errors, std::uint64_t seed, std::span<LaserBeam> scan);
+                   const LaserErrors& errors, std::uint64_t seed, std::span<LaserBeam> scan,
+                   std::span<std::size_t> surfaces = {});
+inline constexpr std::size_t no_surface = static_cast<std::size_t>(-1);
 
 /// The same for a laser that stands at `laser`, in a vector of its own.
 std::vector<LaserBeam> simulate_scan(const Scene& scene, const ScenePose& laser,

@@ -71,4 +71,21 @@ Outcome<LaserStand> LaserWorld::enter(const Evaluation& evaluation) {
   return LaserStand{*robot, mount};
 }
 
+void LaserWorld::scan(const Evaluation& evaluation, const LaserStand& stand, bool noisy,
+                      std::span<LaserBeam> scan, std::span<std::size_t> surfaces) const {
+  const auto p = payload_of<LaserWorldParameters>(evaluation.parameters);
+  const LaserErrors errors =
+      noisy ? LaserErrors{p.range_std, p.bearing_std, options_.quantum} : LaserErrors{};
+  simulate_scan(*caster_, sweep_, stand, errors, derive_seed(evaluation.seed, "noise"), scan,
+                surfaces);
+}
+
+LaserScan<double> LaserWorld::description(const Evaluation& evaluation) const {
+  const auto p = payload_of<LaserWorldParameters>(evaluation.parameters);
+  return {.range_std = p.range_std,
+          .bearing_std = p.bearing_std,
+          .quantum = options_.quantum,
+          .max_range = options_.max_range};
+}
+
 }  // namespace ilss

@@ -53,6 +53,12 @@ class LaserWorld {
   /// Goes on to a tick: how the laser stands in it. Faults: out_of_range where range_std or
   /// bearing_std is negative or not finite; degenerate where a room has no standpoint.
   Outcome<LaserStand> enter(const Evaluation& evaluation);
+  /// The tick's scan, with the noise that follows from its seed, or without any; `surfaces` as
+  /// simulate_scan's.
+  void scan(const Evaluation& evaluation, const LaserStand& stand, bool noisy,
+            std::span<LaserBeam> scan, std::span<std::size_t> surfaces = {}) const;
+  /// What a scan says of its own errors.
+  LaserScan<double> description(const Evaluation& evaluation) const;
   const Scene& scene() const { return *scene_; }
   const RayCaster& caster() const { return *caster_; }
   const LaserSweep& sweep() const { return sweep_; }

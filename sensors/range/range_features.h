@@ -97,6 +97,10 @@ struct RangeFeatures {
       "a set of line_segment, arc_segment, corner and edge";
   static constexpr auto fields = Fields{{"segments", "1", "how many segments and arcs; exact"}};
   static constexpr std::string_view element = "line_segment, arc_segment, corner or edge";
+  static std::vector<const PayloadDescriptor*> elements() {
+    return {&descriptor<LineSegment>(), &descriptor<ArcSegment>(), &descriptor<Corner>(),
+            &descriptor<SurfaceEdge>()};
+  }
 };
 
 }  // namespace ilss
