@@ -22,7 +22,7 @@ void SplitAndMerge::Options::declare(OptionVisitor& visit) {
 }
 
 bool SplitAndMerge::fits(std::span<const ScanPoint> points, const ReadingRun& run) const {
-  const LeastSquaresLine line = sums_.line(run);
+  const LeastSquaresLine line = fits_.line(run);
   const double limit =
       std::max(options_.threshold, options_.deviations * std::sqrt(line.variance));
   double farthest = 0;
@@ -45,7 +45,7 @@ void SplitAndMerge::merge(std::span<const ScanPoint> points, const ReadingRun& r
 
 void SplitAndMerge::segment(std::span<const ScanPoint> points, const LaserNoise& noise,
                             std::vector<ReadingRun>& runs) {
-  sums_.update(points, noise);
+  fits_.update(points, noise);
   const std::size_t first = runs.size();
   open_.assign(1, {0, points.size()});
   while (!open_.empty()) {
@@ -63,7 +63,7 @@ void SplitAndMerge::segment(std::span<const ScanPoint> points, const LaserNoise&
   for (std::size_t k = first; k + 1 < runs.size(); ++k) {
     if (runs[k].size() < 2 || runs[k + 1].size() < 2) continue;
     const std::size_t boundary =
-        placed_boundary(sums_, runs[k], runs[k + 1], boundary_reach, boundary_support);
+        placed_boundary(fits_, runs[k], runs[k + 1], boundary_reach, boundary_support);
     runs[k].end = runs[k + 1].begin = boundary;
   }
 }

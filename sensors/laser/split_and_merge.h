@@ -1,7 +1,7 @@
 // Split where a least-squares line does not fit, then merge neighbours that one line fits.
 #pragma once
 
-#include "sensors/laser/line_sums.h"
+#include "sensors/laser/run_fits.h"
 #include "sensors/laser/segmenter.h"
 
 namespace ilss {
@@ -38,7 +38,7 @@ class SplitAndMerge {
              std::vector<ReadingRun>& runs, std::size_t first) const;
 
   Options options_;
-  LineSums sums_;
+  RunFits fits_;
   std::vector<ReadingRun> open_;
 };
 

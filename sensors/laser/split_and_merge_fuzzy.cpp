@@ -48,7 +48,7 @@ void SplitAndMergeFuzzy::Options::declare(OptionVisitor& visit) {
 
 double SplitAndMergeFuzzy::excess(const ReadingRun& run) const {
   if (run.size() < 3) return 0;
-  const LeastSquaresLine line = sums_.line(run);
+  const LeastSquaresLine line = fits_.line(run);
   const auto freedom = static_cast<double>(run.size() - 2);
   const double explained = line.variance * (1 + options_.deviations * std::sqrt(2 / freedom));
   const double limit = std::max(options_.dispersion * options_.dispersion, explained);
@@ -58,9 +58,9 @@ double SplitAndMergeFuzzy::excess(const ReadingRun& run) const {
 
 std::size_t SplitAndMergeFuzzy::fuzzy_split(std::span<const ScanPoint> points,
                                             const ReadingRun& run, std::size_t start) {
-  LeastSquaresLine before = sums_.line({run.begin, start});
-  LeastSquaresLine after = sums_.line({start, run.end});
-  const double floor = std::max(1e-12, sums_.line(run).variance);
+  LeastSquaresLine before = fits_.line({run.begin, start});
+  LeastSquaresLine after = fits_.line({start, run.end});
+  const double floor = std::max(1e-12, fits_.line(run).variance);
   membership_.resize(run.size());
   for (std::int64_t iteration = 0;; ++iteration) {
     WeightedLine first(points[run.begin]);
@@ -110,7 +110,7 @@ void SplitAndMergeFuzzy::merge(std::vector<ReadingRun>& runs, std::size_t first)
 
 void SplitAndMergeFuzzy::segment(std::span<const ScanPoint> points, const LaserNoise& noise,
                                  std::vector<ReadingRun>& runs) {
-  sums_.update(points, noise);
+  fits_.update(points, noise);
   const std::size_t first = runs.size();
   open_.assign(1, {0, points.size()});
   while (!open_.empty()) {

@@ -1,7 +1,7 @@
 // Split by two fuzzy lines where the scatter is too large for one, then merge neighbours.
 #pragma once
 
-#include "sensors/laser/line_sums.h"
+#include "sensors/laser/run_fits.h"
 #include "sensors/laser/segmenter.h"
 
 namespace ilss {
@@ -48,7 +48,7 @@ class SplitAndMergeFuzzy {
   void merge(std::vector<ReadingRun>& runs, std::size_t first) const;
 
   Options options_;
-  LineSums sums_;
+  RunFits fits_;
   std::vector<ReadingRun> open_;
   std::vector<double> membership_;  ///< of a run's readings in the first of two lines
 };
