@@ -15,7 +15,7 @@ struct CornerRule {
   double deviations = 2.5;   ///< of the angle's noise
   double separation = 0.1;   ///< m
   double roughness = 0.003;  ///< m
-  double evidence = 25;
+  double evidence = 30;
   void declare(OptionVisitor& visit);
 };
 

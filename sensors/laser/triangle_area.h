@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sensors/laser/curvature_segments.h"
+#include "sensors/laser/regions_of_support.h"
 #include "sensors/laser/segmenter.h"
 
 namespace ilss {
@@ -28,15 +29,13 @@ class TriangleArea {
     double area = 0.0025;             ///< m², U_t
     double deviations_of_area = 1;
     bool absolute = false;
-    std::int64_t least_support = 3;   ///< readings
-    std::int64_t most_support = 1000;
-    double longest_support = 1;       ///< m
+    SupportRule support = {};
     CornerRule corners = {};
     void declare(OptionVisitor& visit);
   };
 
   explicit TriangleArea(const Options& options)
-      : options_(options), segments_(options.corners) {}
+      : options_(options), regions_(options.support), segments_(options.corners) {}
 
   void segment(std::span<const ScanPoint> points, const LaserNoise& noise,
                std::vector<ReadingRun>& runs);
@@ -49,15 +48,14 @@ class TriangleArea {
 
  private:
   bool supports(std::size_t from, std::size_t to) const;
-  void find_supports();
   void find_turns();
 
   Options options_;
+  RegionsOfSupport regions_;
   CurvatureSegments segments_;
   std::span<const ScanPoint> points_;
   std::vector<double> variance_;  ///< m², of a reading's place
   std::vector<double> areas_;     ///< m², running: of the triangles laser, p_{j-1}, p_j up to here
-  std::vector<std::size_t> forward_, backward_;  ///< where each reading's support ends
   std::vector<double> turn_, deviation_;
 };
 
