@@ -78,14 +78,20 @@ void CurvatureSegments::segment(std::span<const ScanPoint> points, const LaserNo
                                 std::span<const double> turn, std::span<const double> deviation,
                                 std::vector<ReadingRun>& runs) {
   find_peaks(points, turn, deviation);
-  if (corners_.empty()) {
+  segment(points, noise, corners_, runs);
+}
+
+void CurvatureSegments::segment(std::span<const ScanPoint> points, const LaserNoise& noise,
+                                std::span<const std::size_t> corners,
+                                std::vector<ReadingRun>& runs) {
+  if (corners.empty()) {
     runs.push_back({0, points.size()});
     return;
   }
   fits_.update(points, noise);
   segments_.clear();
   std::size_t begin = 0;
-  for (const std::size_t corner : corners_) {
+  for (const std::size_t corner : corners) {
     segments_.push_back({begin, corner});
     begin = corner;
   }

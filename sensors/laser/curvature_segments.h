@@ -34,6 +34,9 @@ class CurvatureSegments {
   void segment(std::span<const ScanPoint> points, const LaserNoise& noise,
                std::span<const double> turn, std::span<const double> deviation,
                std::vector<ReadingRun>& runs);
+  /// The same from corners found already: readings in order, each the first behind its corner.
+  void segment(std::span<const ScanPoint> points, const LaserNoise& noise,
+               std::span<const std::size_t> corners, std::vector<ReadingRun>& runs);
 
  private:
   void find_peaks(std::span<const ScanPoint> points, std::span<const double> turn,
