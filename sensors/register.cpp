@@ -12,8 +12,12 @@
 #include "sensors/fusion/fuse.h"
 #include "sensors/laser/breakpoints.h"
 #include "sensors/laser/iterative_end_point_fit.h"
+#include "sensors/laser/laser_features.h"
 #include "sensors/laser/laser_log.h"
 #include "sensors/laser/laser_ranging.h"
+#include "sensors/laser/laser_scene.h"
+#include "sensors/laser/laser_scene_features.h"
+#include "sensors/laser/maximum_likelihood_segments.h"
 #include "sensors/lep/lep_detector.h"
 #include "sensors/lep/lep_ranging.h"
 #include "sensors/lep/lep_sensor.h"
@@ -42,14 +46,18 @@ void register_sensors(Registry& registry) {
   registry.add<Fuse>();
   registry.add(expression_type());
   registry.add<Segmenter<IterativeEndPointFit>>();
+  registry.add<LaserFeatures>();
   registry.add<LaserLog>();
   registry.add<LaserRanging>();
+  registry.add<LaserScene>();
+  registry.add<LaserSceneFeatures>();
   registry.add<LepRanging>();
   registry.add<LepSensor>();
   registry.add<LineExtractor>();
   registry.add<LepDetector>();
   registry.add<LepTriangulation>();
   registry.add(linear_type());
+  registry.add<Segmenter<MaximumLikelihoodSegments>>();
   registry.add<PlanarTransform>();
   registry.add<RangeCalibration>();
   registry.add<RangeReadings>();

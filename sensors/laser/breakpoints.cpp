@@ -7,24 +7,19 @@
 #include "sensors/laser/scan_points.h"
 
 namespace ilss {
-namespace {
-
-/// The sine and cosine of the step between two beams; steps of a scan are alike, so that the last
-/// one's serve again.
-struct Step {
-  double angle = 0;
-  double reach = 0;   ///< sin(step) / sin(lambda - step), infinite from lambda on
-  double cosine = 1;  ///< of the step
-};
-
-Step step_of(double angle, double incidence) {
-  const double positive = std::abs(angle);
-  const double reach =
-      positive < incidence ? std::sin(positive) / std::sin(incidence - positive) : INFINITY;
-  return {angle, reach, std::cos(positive)};
+bool BreakpointRule::breaks(double range_before, double range, double step) {
+  // The steps of a scan are alike, so that the last one's numbers serve again.
+  if (step != step_) {
+    step_ = step;
+    const double angle = std::abs(step);
+    reach_ = angle < incidence_ ? std::sin(angle) / std::sin(incidence_ - angle) : INFINITY;
+    cosine_ = std::cos(angle);
+  }
+  const double square =
+      range * range + range_before * range_before - 2 * range * range_before * cosine_;
+  const double limit = range_before * reach_ + noise_;
+  return square > limit * limit;
 }
-
-}  // namespace
 
 void Breakpoints::Options::declare(OptionVisitor& visit) {
   visit("incidence", incidence, "lambda: beams that meet a surface at less break it",
@@ -40,7 +35,7 @@ Interface Breakpoints::interface() {
 
 Outcome<> Breakpoints::evaluate(const Evaluation& evaluation, Output& output) {
   const std::span<const LaserBeam> beams = beams_of(*evaluation.inputs[0]);
-  const double noise = 3 * noise_of(evaluation.input(0)).range_deviation();
+  BreakpointRule rule(options_.incidence, noise_of(evaluation.input(0)).range_deviation());
   const std::span<SegmentedBeam> rows = make_rows<SegmentedBeam>(output, beams.size());
   double segment = 0;
   std::size_t begin = 0;  // of the open cluster
@@ -50,7 +45,6 @@ Outcome<> Breakpoints::evaluate(const Evaluation& evaluation, Output& output) {
     if (is_cluster) ++segment;
     for (std::size_t k = begin; k < i; ++k) rows[k].segment = is_cluster ? segment : 0;
   };
-  Step step;
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const auto [bearing, range] = beams[i];
     if (!std::isfinite(bearing) || !std::isfinite(range) || range < 0)
@@ -63,12 +57,7 @@ Outcome<> Breakpoints::evaluate(const Evaluation& evaluation, Output& output) {
       continue;
     }
     if (i == begin) continue;
-    const double before = beams[i - 1].range;
-    const double angle = bearing - beams[i - 1].bearing;
-    if (angle != step.angle) step = step_of(angle, options_.incidence);
-    const double square = range * range + before * before - 2 * range * before * step.cosine;
-    const double limit = before * step.reach + noise;
-    if (square <= limit * limit) continue;
+    if (!rule.breaks(beams[i - 1].range, range, bearing - beams[i - 1].bearing)) continue;
     close(i);
     begin = i;
   }

@@ -9,6 +9,24 @@
 
 namespace ilss {
 
+/// How far apart two neighbouring readings of one surface may be.
+class BreakpointRule {
+ public:
+  /// `incidence`: lambda (rad); `deviation`: of a range's noise (m).
+  BreakpointRule(double incidence, double deviation)
+      : incidence_(incidence), noise_(3 * deviation) {}
+
+  /// Whether the surface ends between a reading and the next one, `step` (rad) farther on.
+  bool breaks(double range_before, double range, double step);
+
+ private:
+  double incidence_;
+  double noise_;
+  double step_ = 0;   ///< the last one's, for which these hold:
+  double reach_ = 0;  ///< sin(step) / sin(lambda - step), infinite from lambda on
+  double cosine_ = 1;
+};
+
 /// Estimator: takes a laser_scan apart into clusters. A cluster ends at a rupture point, which is a
 /// beam without return, and at a breakpoint: between readings n-1 and n whose points are farther
 /// apart than

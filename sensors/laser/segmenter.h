@@ -1,17 +1,13 @@
 // What all segmenters have in common: from clusters of a scan to its segments.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <array>
-#include <cmath>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "framework/module/module_type.h"
-#include "sensors/laser/scan_points.h"
-#include "sensors/range/reading_run.h"
+#include "sensors/laser/segmented_points.h"
 
 namespace ilss {
 
@@ -33,25 +29,6 @@ concept SegmentationAlgorithm = requires(A algorithm, std::span<const ScanPoint>
                                          const LaserNoise& noise, std::vector<ReadingRun>& runs) {
   typename A::Options;
   algorithm.segment(points, noise, runs);
-};
-
-/// Takes clusters from a segmented scan and gives a segmented scan back.
-class ClusterSegmentation {
- public:
-  /// Reads the scan into points and clusters; bad_data where a number is not finite.
-  Outcome<> read(const Output& scan);
-  std::span<const ReadingRun> clusters() const { return clusters_; }
-  std::span<const ScanPoint> points() const { return points_; }
-  std::span<const ScanPoint> points_of(const ReadingRun& run) const {
-    return points_.subspan(run.begin, run.size());
-  }
-  /// Writes the scan with other segments: runs of the whole scan's beams, in order.
-  void write(const Evaluation& evaluation, std::span<const ReadingRun> runs, Output& output) const;
-
- private:
-  ScanPoints buffer_;
-  std::span<const ScanPoint> points_;
-  std::vector<ReadingRun> clusters_;
 };
 
 /// The module of an algorithm. Input: a segmented_scan, as `breakpoints` gives it; output: the same
@@ -85,26 +62,26 @@ class Segmenter final : public Module {
   explicit Segmenter(const Options& options) : algorithm_(options.algorithm), rule_(options.rule) {}
 
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override {
-    if (auto read = segmentation_.read(*evaluation.inputs[0]); !read) return read;
+    if (auto read = scan_.read(*evaluation.inputs[0]); !read) return read;
     const LaserNoise noise = noise_of(evaluation.input(0));
     runs_.clear();
-    for (const ReadingRun& cluster : segmentation_.clusters()) {
+    for (const ReadingRun& cluster : scan_.runs()) {
       found_.clear();
-      algorithm_.segment(segmentation_.points_of(cluster), noise, found_);
+      algorithm_.segment(scan_.points_of(cluster), noise, found_);
       for (const ReadingRun& run : found_) {
         const ReadingRun whole{cluster.begin + run.begin, cluster.begin + run.end};
-        if (rule_.accepts(segmentation_.points_of(whole))) runs_.push_back(whole);
+        if (rule_.accepts(scan_.points_of(whole))) runs_.push_back(whole);
       }
     }
     if (runs_.empty()) return Fault{FaultKind::no_detection, "the scan has no segment"};
-    segmentation_.write(evaluation, runs_, output);
+    scan_.write(evaluation, runs_, output);
     return {};
   }
 
  private:
   Algorithm algorithm_;
   SegmentRule rule_;
-  ClusterSegmentation segmentation_;
+  SegmentedPoints scan_;
   std::vector<ReadingRun> found_;
   std::vector<ReadingRun> runs_;
 };

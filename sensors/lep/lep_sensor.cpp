@@ -100,14 +100,8 @@ Outcome<> LepSensor::command(const Command& command) {
 }
 
 ScenePose LepSensor::vehicle(const Parameters<double>& parameters, double time) const {
-  const double turned = options_.turn_rate * time;
-  // Along a circle, or along its chord where it hardly turns.
-  const double chord = std::abs(turned) < 1e-6
-                           ? options_.speed * time
-                           : 2 * options_.speed / options_.turn_rate * std::sin(turned / 2);
-  const double towards = parameters.robot_heading + turned / 2;
-  return {parameters.robot_x + chord * std::cos(towards),
-          parameters.robot_z + chord * std::sin(towards), parameters.robot_heading + turned};
+  return drive({parameters.robot_x, parameters.robot_z, parameters.robot_heading}, options_.speed,
+               options_.turn_rate, time);
 }
 
 template <typename DrawNoise>

@@ -55,6 +55,16 @@ ScenePose compose_poses(const ScenePose& base, const ScenePose& mount) {
           base.heading + mount.heading};
 }
 
+ScenePose drive(const ScenePose& pose, double speed, double turn_rate, double time) {
+  const double turned = turn_rate * time;
+  // Along a circle, or along its chord where it hardly turns.
+  const double chord =
+      std::abs(turned) < 1e-6 ? speed * time : 2 * speed / turn_rate * std::sin(turned / 2);
+  const double towards = pose.heading + turned / 2;
+  return {pose.x + chord * std::cos(towards), pose.z + chord * std::sin(towards),
+          pose.heading + turned};
+}
+
 ScenePoint to_frame(const ScenePose& pose, const ScenePoint& point) {
   const double c = std::cos(pose.heading);
   const double s = std::sin(pose.heading);

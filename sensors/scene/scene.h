@@ -67,6 +67,10 @@ struct Scene {
 /// Where a thing mounted at `mount` in the frame of `base` stands in the world.
 ScenePose compose_poses(const ScenePose& base, const ScenePose& mount);
 
+/// Where a thing is that stood at `pose` and has driven for `time` (s, negative: before) at a speed
+/// (m/s) and a turn rate (rad/s, to the right): along a circle.
+ScenePose drive(const ScenePose& pose, double speed, double turn_rate, double time);
+
 /// A point of the world seen from `pose`: x along its heading, z to its right.
 ScenePoint to_frame(const ScenePose& pose, const ScenePoint& point);
 

@@ -1,0 +1,174 @@
+#include "sensors/laser/laser_line_fit.h"
+
+#include <cmath>
+
+#include "framework/estimate/angle.h"
+
+namespace ilss {
+namespace {
+
+/// The line in the form that the iteration works with.
+struct Normal {
+  double cosine;
+  double sine;
+  double rho;
+};
+
+/// Sums over the readings of w, w g, ..., with the residual e across the line and the coordinate g
+/// along it from the foot of the perpendicular.
+struct Sums {
+  double w = 0, wg = 0, wgg = 0;
+  double we = 0, wge = 0, wee = 0;
+  double wggg = 0, wgggg = 0, wgge = 0;
+  double least_incidence = 1;  ///< of the cosines between beams and normal
+};
+
+/// `FromLine`: where a beam meets the line tells its weight; otherwise where it was measured.
+template <bool FromLine>
+Sums accumulate(std::span<const ScanPoint> points, const LaserNoise& noise, const Normal& line) {
+  Sums sums;
+  for (const ScanPoint& p : points) {
+    const double c = line.cosine * p.cosine + line.sine * p.sine;
+    const double s = line.sine * p.cosine - line.cosine * p.sine;
+    const double range = FromLine ? line.rho / c : p.range;
+    const double g = range * s;
+    const double e = p.range * c - line.rho;
+    const double w = 1 / (noise.range_variance * c * c + noise.bearing_variance * g * g);
+    const double wg = w * g;
+    const double wgg = wg * g;
+    sums.w += w;
+    sums.wg += wg;
+    sums.wgg += wgg;
+    sums.we += w * e;
+    sums.wge += wg * e;
+    sums.wee += w * e * e;
+    sums.wggg += wgg * g;
+    sums.wgggg += wgg * g * g;
+    sums.wgge += wgg * e;
+    sums.least_incidence = c < sums.least_incidence ? c : sums.least_incidence;
+  }
+  return sums;
+}
+
+/// The best line with every reading the same weight and error in both directions: theta by the
+/// paper's closed form, with the arctangent of two arguments that it needs.
+Normal total_least_squares(std::span<const ScanPoint> points) {
+  double x = 0, y = 0;
+  for (const ScanPoint& p : points) {
+    x += p.x;
+    y += p.y;
+  }
+  const auto n = static_cast<double>(points.size());
+  x /= n;
+  y /= n;
+  double xx = 0, xy = 0, yy = 0;
+  for (const ScanPoint& p : points) {
+    xx += (p.x - x) * (p.x - x);
+    xy += (p.x - x) * (p.y - y);
+    yy += (p.y - y) * (p.y - y);
+  }
+  const double theta = 0.5 * std::atan2(-2 * xy, yy - xx);
+  Normal line{std::cos(theta), std::sin(theta), 0};
+  line.rho = x * line.cosine + y * line.sine;
+  if (line.rho < 0) line = {-line.cosine, -line.sine, -line.rho};
+  return line;
+}
+
+struct Step {
+  double rho;
+  double alpha;
+  double gain;  ///< chi² that it saves
+};
+
+Step step_of(const Sums& s, double determinant) {
+  const double rho = (s.wgg * s.we - s.wg * s.wge) / determinant;
+  const double alpha = (s.w * s.wge - s.wg * s.we) / determinant;
+  return {rho, alpha, rho * s.we + alpha * s.wge};
+}
+
+/// What e = a + b g + c g² would save of chi² over e = a + b g.
+double bend_of(const Sums& s) {
+  const double mean = s.wg / s.w;
+  const double second = s.wgg - mean * s.wg;  // about the mean
+  const double third = s.wggg - mean * s.wgg;
+  const double shear = third / second;  // of g² on g
+  const double square_mean = s.wgg / s.w;
+  const double spread = s.wgggg - square_mean * s.wgg - shear * third;
+  if (!(spread > 1e-12 * s.wgggg)) return 0;
+  const double by_line = s.wge - mean * s.we;
+  const double across = s.wgge - square_mean * s.we - shear * by_line;
+  return across * across / spread;
+}
+
+void turn(Normal& line, const Step& step) {
+  // Turned by a small angle about the foot of the perpendicular, which is where g counts from.
+  const double cosine = std::cos(step.alpha);
+  const double sine = std::sin(step.alpha);
+  line = {line.cosine * cosine - line.sine * sine, line.sine * cosine + line.cosine * sine,
+          line.rho + step.rho};
+}
+
+Eigen::Matrix<double, 2, range_biases> bias_sensitivity(std::span<const ScanPoint> points,
+                                                        const LaserNoise& noise, const Normal& line,
+                                                        const Eigen::Matrix2d& covariance,
+                                                        std::size_t biases) {
+  Eigen::Matrix<double, 2, range_biases> sums = Eigen::Matrix<double, 2, range_biases>::Zero();
+  for (const ScanPoint& p : points) {
+    const double c = line.cosine * p.cosine + line.sine * p.sine;
+    const double s = line.sine * p.cosine - line.cosine * p.sine;
+    const double g = line.rho / c * s;
+    const double w = 1 / (noise.range_variance * c * c + noise.bearing_variance * g * g);
+    double by_bias = w * c;
+    for (std::size_t k = 0; k < biases; ++k, by_bias *= p.range) {
+      sums(0, static_cast<Eigen::Index>(k)) += by_bias;
+      sums(1, static_cast<Eigen::Index>(k)) += by_bias * g;
+    }
+  }
+  return covariance * sums;
+}
+
+}  // namespace
+
+std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
+                                           const LaserNoise& noise, std::size_t with_biases) {
+  if (points.size() < 2) return std::nullopt;
+  Normal line = total_least_squares(points);
+  Sums sums = accumulate<false>(points, noise, line);
+  constexpr int most_steps = 20;
+  constexpr double settled = 1e-4;  // of chi²: a hundredth of a standard deviation
+  for (int i = 0; i < most_steps; ++i) {
+    const double determinant = sums.w * sums.wgg - sums.wg * sums.wg;
+    if (!(determinant > 1e-12 * sums.w * sums.wgg)) return std::nullopt;
+    const Step step = step_of(sums, determinant);
+    turn(line, step);
+    if (i > 0 && step.gain < settled) {
+      if (!(sums.least_incidence > 0) || !(line.rho > 0)) return std::nullopt;
+      LaserLineFit fit;
+      fit.rho = line.rho;
+      fit.alpha = wrap_angle(std::atan2(line.sine, line.cosine));
+      fit.covariance << sums.wgg, -sums.wg, -sums.wg, sums.w;
+      fit.covariance /= determinant;
+      fit.chi_squared = std::max(0.0, sums.wee - step.gain);
+      fit.bend = bend_of(sums);
+      fit.readings = points.size();
+      if (with_biases > 0)
+        fit.by_bias = bias_sensitivity(points, noise, line, fit.covariance, with_biases);
+      return fit;
+    }
+    sums = accumulate<true>(points, noise, line);
+  }
+  return std::nullopt;
+}
+
+double squared_residual(const LaserLineFit& line, const ScanPoint& p, const LaserNoise& noise) {
+  const double normal_x = std::cos(line.alpha);
+  const double normal_y = std::sin(line.alpha);
+  const double c = normal_x * p.cosine + normal_y * p.sine;
+  const double s = normal_y * p.cosine - normal_x * p.sine;
+  if (!(c > 0)) return INFINITY;
+  const double g = line.rho / c * s;
+  const double e = p.range * c - line.rho;
+  return e * e / (noise.range_variance * c * c + noise.bearing_variance * g * g);
+}
+
+}  // namespace ilss

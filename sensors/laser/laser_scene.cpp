@@ -1,0 +1,46 @@
+#include "sensors/laser/laser_scene.h"
+
+namespace ilss {
+
+void LaserScene::Options::declare(OptionVisitor& visit) {
+  world.declare(visit);
+  visit("frame", frame, "name of the laser's frame, x forward and y to the left");
+}
+
+Interface LaserScene::interface(const Options& options) {
+  return {.inputs = {},
+          .output = &descriptor<LaserScan>(),
+          .frame = options.frame,
+          .draws_readings = true};
+}
+
+Outcome<> LaserScene::scan(const Evaluation& evaluation, bool noisy, Output& output) {
+  const Outcome<LaserStand> stand = world_.enter(evaluation);
+  if (!stand) return stand.fault();
+  const auto p = payload_of<LaserWorldParameters>(evaluation.parameters);
+  const double quantum = options_.world.quantum;
+  const LaserErrors errors =
+      noisy ? LaserErrors{p.range_std, p.bearing_std, quantum} : LaserErrors{};
+  simulate_scan(world_.caster(), world_.sweep(), *stand, errors,
+                derive_seed(evaluation.seed, "noise"), make_beams(output, world_.sweep().beams));
+  assign<LaserScan>(output.estimate, {.range_std = p.range_std,
+                                      .bearing_std = p.bearing_std,
+                                      .quantum = quantum,
+                                      .max_range = options_.world.max_range});
+  output.acquired = evaluation.time - options_.world.sweep_time;
+  return {};
+}
+
+Outcome<> LaserScene::evaluate(const Evaluation& evaluation, Output& output) {
+  return scan(evaluation, true, output);
+}
+
+Outcome<> LaserScene::expect(const Evaluation& evaluation, const Output* operating_point,
+                             Output& output) {
+  if (operating_point != nullptr)
+    return Fault{FaultKind::no_error_known,
+                 "a scan cannot be given as an operating point; it follows from the scene"};
+  return scan(evaluation, false, output);
+}
+
+}  // namespace ilss

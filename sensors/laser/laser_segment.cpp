@@ -1,0 +1,43 @@
+#include "sensors/laser/laser_segment.h"
+
+#include <cmath>
+
+namespace ilss {
+namespace {
+
+bool is_believable(const LaserArcFit& arc, const LaserModelRule& rule) {
+  const double radius = std::abs(arc.radius);
+  return radius >= rule.least_radius && radius <= rule.largest_radius &&
+         arc.covariance(2, 2) < radius * radius / 4;
+}
+
+bool fits(double chi_squared, std::size_t readings, std::size_t parameters,
+          const LaserModelRule& rule) {
+  return readings <= parameters ||
+         chi_squared <= rule.largest_misfit * static_cast<double>(readings - parameters);
+}
+
+}  // namespace
+
+std::optional<LaserSegment> fit_laser_segment(std::span<const ScanPoint> scan,
+                                              const ReadingRun& run, const LaserNoise& noise,
+                                              const LaserModelRule& rule, std::size_t with_biases) {
+  const auto points = scan.subspan(run.begin, run.size());
+  const auto line = fit_laser_line(points, noise, with_biases);
+  if (rule.largest_radius > 0 && (!line || line->bend > rule.evidence)) {
+    const auto arc = fit_laser_arc(points, noise, with_biases);
+    if (arc && is_believable(*arc, rule) &&
+        (!line || line->chi_squared - arc->chi_squared > rule.evidence) &&
+        fits(arc->chi_squared, points.size(), 3, rule))
+      return LaserSegment{run, {}, arc};
+  }
+  if (!line || !fits(line->chi_squared, points.size(), 2, rule)) return std::nullopt;
+  return LaserSegment{run, *line, {}};
+}
+
+double squared_residual(const LaserSegment& segment, const ScanPoint& p, const LaserNoise& noise) {
+  return segment.arc ? squared_residual(*segment.arc, p, noise)
+                     : squared_residual(segment.line, p, noise);
+}
+
+}  // namespace ilss
