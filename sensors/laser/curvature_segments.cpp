@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sensors/laser/boundary_placement.h"
+
 namespace ilss {
 namespace {
-
-/// Corners move by so many readings, judged by so many of each side.
-constexpr std::size_t corner_reach = 6;
-constexpr std::size_t corner_support = 40;
 
 double square_distance(const ScanPoint& a, const ScanPoint& b) {
   return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
@@ -47,11 +45,12 @@ void CurvatureSegments::find_peaks(std::span<const ScanPoint> points, std::span<
 }
 
 double CurvatureSegments::cost(const ReadingRun& run) const {
-  const RunFits::Squares squares = fits_.squares(run);
-  const double variance =
-      std::max(1e-12, squares.variance + rule_.roughness * rule_.roughness);
+  const CurveMoments moments = sums_.of(run.begin, run.end);
   const double parameter = std::log(static_cast<double>(run.size()));
-  return std::min(squares.line / variance + 2 * parameter, squares.arc / variance + 3 * parameter);
+  const double line = moments.line_chi_squared() + 2 * parameter;
+  // No circle is better than a line that leaves less than another parameter would cost.
+  if (line < 3 * parameter || run.size() < 4) return line;
+  return std::min(line, moments.circle().chi_squared + 3 * parameter);
 }
 
 double CurvatureSegments::gain(const ReadingRun& before, const ReadingRun& after) const {
@@ -74,6 +73,29 @@ void CurvatureSegments::merge() {
   }
 }
 
+void CurvatureSegments::place_corners() {
+  const auto line = [&](const ReadingRun& run) {
+    return sums_.of(run.begin, run.end).line_chi_squared();
+  };
+  const auto arc = [&](const ReadingRun& run) {
+    return run.size() < 4 ? line(run) : sums_.of(run.begin, run.end).circle().chi_squared;
+  };
+  const auto is_arc = [&](const ReadingRun& run) {
+    return line(run) - arc(run) > std::log(static_cast<double>(run.size()));
+  };
+  for (std::size_t k = 0; k + 1 < segments_.size(); ++k) {
+    ReadingRun& before = segments_[k];
+    ReadingRun& after = segments_[k + 1];
+    if (before.size() < 2 || after.size() < 2) continue;
+    const bool arcs[2] = {is_arc(before), is_arc(after)};
+    const auto cost = [&](bool of_arc) {
+      return [&, of_arc](const ReadingRun& run) { return of_arc ? arc(run) : line(run); };
+    };
+    before.end = after.begin =
+        placed_boundary(before, after, boundary_reach, cost(arcs[0]), cost(arcs[1]));
+  }
+}
+
 void CurvatureSegments::segment(std::span<const ScanPoint> points, const LaserNoise& noise,
                                 std::span<const double> turn, std::span<const double> deviation,
                                 std::vector<ReadingRun>& runs) {
@@ -88,7 +110,8 @@ void CurvatureSegments::segment(std::span<const ScanPoint> points, const LaserNo
     runs.push_back({0, points.size()});
     return;
   }
-  fits_.update(points, noise);
+  sums_.set(points, {noise.range_variance + rule_.roughness * rule_.roughness,
+                     noise.bearing_variance});
   segments_.clear();
   std::size_t begin = 0;
   for (const std::size_t corner : corners) {
@@ -97,11 +120,7 @@ void CurvatureSegments::segment(std::span<const ScanPoint> points, const LaserNo
   }
   segments_.push_back({begin, points.size()});
   merge();
-  for (std::size_t k = 0; k + 1 < segments_.size(); ++k) {
-    if (segments_[k].size() < 2 || segments_[k + 1].size() < 2) continue;
-    segments_[k].end = segments_[k + 1].begin =
-        placed_boundary(fits_, segments_[k], segments_[k + 1], corner_reach, corner_support);
-  }
+  place_corners();
   runs.insert(runs.end(), segments_.begin(), segments_.end());
 }
 

@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "framework/module/parameters.h"
-#include "sensors/laser/run_fits.h"
+#include "sensors/laser/curve_moments.h"
+#include "sensors/range/reading_run.h"
 
 namespace ilss {
 
@@ -22,9 +23,9 @@ struct CornerRule {
 /// Splits a cluster into segments of homogeneous curvature (Núñez et al. 2006, as in Núñez et al.
 /// 2009, sec. 2.3 and 3.1): peaks of the curvature are corners, between them it is flat, about 0 on
 /// a line and above on a curve. A curve's noise has peaks, too, so two neighbours stay apart only if
-/// one line or one circle explains both worse than one each: the sum of squared distances by their
-/// variance, noise and `roughness`, plus ln n for each parameter, must be more than `evidence`
-/// larger for both as one. At last each corner moves to where the lines beside it fit best.
+/// one line or one circle explains both worse than one each: chi², by noise and `roughness`, plus
+/// ln n for each parameter must be more than `evidence` larger for both as one. At last each corner
+/// moves to where the lines or circles beside it fit best.
 class CurvatureSegments {
  public:
   explicit CurvatureSegments(const CornerRule& rule) : rule_(rule) {}
@@ -46,9 +47,10 @@ class CurvatureSegments {
   /// By how much two neighbours cost less apart than as one.
   double gain(const ReadingRun& before, const ReadingRun& after) const;
   void merge();
+  void place_corners();
 
   CornerRule rule_;
-  RunFits fits_;
+  CurveMomentSums sums_;
   std::vector<std::size_t> corners_;
   std::vector<ReadingRun> segments_;
   std::vector<double> gains_;  ///< of each segment with the next

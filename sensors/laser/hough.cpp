@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "sensors/laser/boundary_placement.h"
+
 namespace ilss {
 namespace {
 
@@ -14,9 +16,6 @@ constexpr std::size_t least_neighbours = 5;
 constexpr std::size_t cluster_reach = 1000;
 constexpr int most_shifts = 20;
 constexpr double shift_tolerance = 1e-4;  // m and rad
-/// Corners move by so many readings, judged by so many of each side.
-constexpr std::size_t corner_reach = 6;
-constexpr std::size_t corner_support = 40;
 
 double distance(const ScanPoint& a, const ScanPoint& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
@@ -152,11 +151,12 @@ void Hough::append_runs(std::size_t count, std::vector<ReadingRun>& runs) const 
   runs.insert(runs.end(), runs_.begin(), runs_.end());
   runs[first].begin = 0;
   runs.back().end = count;
+  const auto cost = [&](const ReadingRun& run) { return fits_.line(run).square; };
   for (std::size_t k = first; k + 1 < runs.size(); ++k) {
     const std::size_t gap = runs[k + 1].begin - runs[k].end;
     runs[k].end = runs[k + 1].begin = runs[k].end + gap / 2;
     runs[k].end = runs[k + 1].begin =
-        placed_boundary(fits_, runs[k], runs[k + 1], gap / 2 + corner_reach, corner_support);
+        placed_boundary(runs[k], runs[k + 1], gap / 2 + boundary_reach, cost, cost);
   }
 }
 

@@ -25,10 +25,6 @@ void RunFits::update(std::span<const ScanPoint> points, const LaserNoise& noise)
     sum.xx += x * x;
     sum.xy += x * y;
     sum.yy += y * y;
-    const double z = x * x + y * y;
-    sum.xz += x * z;
-    sum.yz += y * z;
-    sum.zz += z * z;
     sum.noise_xx += along * cc + across * ss;
     sum.noise_xy += (along - across) * cs;
     sum.noise_yy += along * ss + across * cc;
@@ -63,58 +59,6 @@ LeastSquaresLine RunFits::line(const ReadingRun& run) const {
                    line.normal_y * line.normal_y * (b.noise_yy - a.noise_yy)) /
                   count;
   return line;
-}
-
-RunFits::Squares RunFits::squares(const ReadingRun& run) const {
-  const LeastSquaresLine line = this->line(run);
-  const Sums& a = sums_[run.begin];
-  const Sums& b = sums_[run.end];
-  const auto count = static_cast<double>(run.size());
-  const double mean_x = (b.x - a.x) / count;
-  const double mean_y = (b.y - a.y) / count;
-  const double mean_square = mean_x * mean_x + mean_y * mean_y;
-  const double xx = b.xx - a.xx;
-  const double xy = b.xy - a.xy;
-  const double yy = b.yy - a.yy;
-  const double z = xx + yy - count * mean_square;  // all from the mean from here on
-  const double xz = b.xz - a.xz - 2 * (mean_x * xx + mean_y * xy) + mean_square * count * mean_x -
-                    mean_x * z;
-  const double yz = b.yz - a.yz - 2 * (mean_x * xy + mean_y * yy) + mean_square * count * mean_y -
-                    mean_y * z;
-  const double zz =
-      b.zz - a.zz - 4 * (mean_x * (b.xz - a.xz) + mean_y * (b.yz - a.yz)) +
-      4 * (mean_x * mean_x * xx + 2 * mean_x * mean_y * xy + mean_y * mean_y * yy) +
-      2 * mean_square * (xx + yy) - 3 * count * mean_square * mean_square - z * z / count;
-  const double along_z = line.normal_y * xz - line.normal_x * yz;
-  const double across_z = line.normal_x * xz + line.normal_y * yz;
-  const double along = z - line.square;
-  Squares squares{line.square, line.square, line.variance};
-  if (!(along > 0)) return squares;
-  const double tilt = along_z / along;
-  const double gradient = tilt * tilt + 4 * z / count;
-  const double other = std::max(0.0, zz - tilt * along_z) / gradient;
-  const double half = (line.square - other) / 2;
-  const double root = std::sqrt(half * half + across_z * across_z / gradient);
-  squares.arc = std::clamp((line.square + other) / 2 - root, 0.0, line.square);
-  return squares;
-}
-
-std::size_t placed_boundary(const RunFits& fits, const ReadingRun& before, const ReadingRun& after,
-                            std::size_t reach, std::size_t support) {
-  const std::size_t boundary = after.begin;
-  const std::size_t begin = boundary - std::min(before.size(), support);
-  const std::size_t end = boundary + std::min(after.size(), support);
-  const std::size_t first = std::max(begin + 2, boundary - std::min(boundary, reach));
-  const std::size_t last = std::min(end, boundary + reach + 2) - 2;
-  double least = INFINITY;
-  std::size_t best = boundary;
-  for (std::size_t i = first; i <= last; ++i) {
-    const double square = fits.line({begin, i}).square + fits.line({i, end}).square;
-    if (square >= least) continue;
-    least = square;
-    best = i;
-  }
-  return best;
 }
 
 }  // namespace ilss

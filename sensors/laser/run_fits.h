@@ -1,4 +1,4 @@
-// Least-squares lines and arcs through any run of a scan's points, each in constant time.
+// Least-squares lines through any run of a scan's points, each in constant time.
 #pragma once
 
 #include <span>
@@ -36,31 +36,13 @@ class RunFits {
   /// The line through a run of at least one point.
   LeastSquaresLine line(const ReadingRun& run) const;
 
-  /// What is left of a run when a line explains it, and when a circle does.
-  struct Squares {
-    double line = 0;      ///< m², sum of squared distances
-    double arc = 0;       ///< m², the same from a circle; never more than from the line
-    double variance = 0;  ///< m², of a distance, as the noise explains it
-  };
-  /// With x and y along and across the line, from the points' mean, and z = x² + y², the circle is
-  /// q y + k z - b x = a; the sum of squares of the left side's scatter over its squared gradient
-  /// (Pratt 1987) is the smaller eigenvalue of a 2x2 matrix once a and b are eliminated.
-  Squares squares(const ReadingRun& run) const;
-
  private:
   struct Sums {
-    double x, y, xx, xy, yy, xz, yz, zz, noise_xx, noise_xy, noise_yy;  // z = x² + y²
+    double x, y, xx, xy, yy, noise_xx, noise_xy, noise_yy;
   };
   std::vector<Sums> sums_;  ///< of the points before each; places from the first point
   double origin_x_ = 0;
   double origin_y_ = 0;
 };
-
-/// The boundary between two neighbouring runs, moved to where the squared distances to the lines of
-/// the two sides are least (Núñez et al. 2009, sec. 3.2, after Diosi & Kleeman 2003): at most
-/// `reach` readings away, with lines through at most `support` readings of each run. Both keep at
-/// least two readings, and must have them.
-std::size_t placed_boundary(const RunFits& fits, const ReadingRun& before, const ReadingRun& after,
-                            std::size_t reach, std::size_t support);
 
 }  // namespace ilss

@@ -3,16 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sensors/laser/boundary_placement.h"
 #include "sensors/laser/iterative_end_point_fit.h"
 
 namespace ilss {
-namespace {
-
-/// Boundaries move by so many readings, judged by so many of each side.
-constexpr std::size_t boundary_reach = 8;
-constexpr std::size_t boundary_support = 40;
-
-}  // namespace
 
 void SplitAndMerge::Options::declare(OptionVisitor& visit) {
   visit("threshold", threshold, "a point farther from the run's line splits it",
@@ -60,11 +54,11 @@ void SplitAndMerge::segment(std::span<const ScanPoint> points, const LaserNoise&
     open_.push_back({split, run.end});
     open_.push_back({run.begin, split});
   }
+  const auto cost = [&](const ReadingRun& run) { return fits_.line(run).square; };
   for (std::size_t k = first; k + 1 < runs.size(); ++k) {
     if (runs[k].size() < 2 || runs[k + 1].size() < 2) continue;
-    const std::size_t boundary =
-        placed_boundary(fits_, runs[k], runs[k + 1], boundary_reach, boundary_support);
-    runs[k].end = runs[k + 1].begin = boundary;
+    runs[k].end = runs[k + 1].begin =
+        placed_boundary(runs[k], runs[k + 1], boundary_reach, cost, cost);
   }
 }
 
