@@ -15,6 +15,7 @@
 #include "sensors/laser/curvature_scale_space.h"
 #include "sensors/laser/hough.h"
 #include "sensors/laser/iterative_end_point_fit.h"
+#include "sensors/laser/laser_correction.h"
 #include "sensors/laser/laser_features.h"
 #include "sensors/laser/laser_log.h"
 #include "sensors/laser/laser_ranging.h"
@@ -56,6 +57,7 @@ void register_sensors(Registry& registry) {
   registry.add(expression_type());
   registry.add<Segmenter<Hough>>();
   registry.add<Segmenter<IterativeEndPointFit>>();
+  registry.add<LaserCorrection>();
   registry.add<LaserFeatures>();
   registry.add<LaserLog>();
   registry.add<LaserRanging>();

@@ -1,13 +1,11 @@
 // `ilss calibrate`: fits a sensor's model to measurements of known things.
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 
 #include "framework/graph/quantity_reader.h"
 #include "sensors/lep/lep_detector.h"
+#include "src/calibration_output.h"
 #include "src/calibration_report.h"
 #include "src/calibration_table.h"
 #include "src/session.h"
@@ -59,28 +57,6 @@ double read_detector_length(const NoiseArguments& arguments, Diagnostics& diagno
                             .value;
   if (!(length > 0)) fail(exit_bad_input, "--detector-length: a length is positive");
   return length;
-}
-
-[[noreturn]] void refuse(const std::string& file, const Fault& fault) {
-  fmt::print(stderr, "{}: {}: {}\n", file, fault_name(fault.kind), fault.message);
-  throw Exit{exit_bad_input};
-}
-
-/// Writes the file whole or not at all; through a symbolic link into what it names.
-void write_file(const std::string& output, const std::string& text) {
-  if (output.empty()) return;
-  std::error_code ignored;
-  const std::string path = std::filesystem::weakly_canonical(output, ignored).string();
-  const std::string partial = path + ".partial";
-  std::ofstream stream(partial, std::ios::binary);
-  stream << text;
-  stream.close();
-  std::error_code error;
-  if (stream) std::filesystem::rename(partial, path, error);
-  if (stream && !error) return;
-  const std::string reason = error ? error.message() : std::strerror(errno);
-  std::filesystem::remove(partial, error);
-  fail(exit_failed, fmt::format("cannot write '{}': {}", path, reason));
 }
 
 void calibrate_noise(const NoiseArguments& arguments) {
@@ -184,9 +160,6 @@ void check_points(std::span<const LepCalibrationPoint> points, const std::vector
   }
 }
 
-/// Errors of more than three times what is stated: then the fit's own errors mean nothing.
-constexpr double most_chi_squared = 9;  // per degree of freedom
-
 void calibrate_sensor(const LepArguments& arguments) {
   check_output_file("--output", arguments.common.output,
                     {arguments.common.file, arguments.stripes});
@@ -276,6 +249,7 @@ void add_lep_noise(CLI::App& app) {
 void add_calibrate(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("calibrate", "Fit a sensor's model to measurements");
   verb->require_subcommand(1);
+  add_calibrate_laser(*verb);
   add_lep(*verb);
   add_lep_noise(*verb);
 }

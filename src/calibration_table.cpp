@@ -57,7 +57,7 @@ std::optional<FoundColumn> find_column(const Recording& recording, const TableCo
     }
     found->conversion = std::get<UnitConversion>(conversion);
   }
-  if (!found)
+  if (!found && !wanted.optional)
     diagnostics.add(
         file, fmt::format("there is no column '{0}'; expected {1} under '{0} [{2}]'{3}{4} (the "
                           "columns are: {5})",

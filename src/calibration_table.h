@@ -15,6 +15,7 @@ struct TableColumn {
   std::string_view unit;
   bool positive = false;       ///< numbers that are not are errors
   std::string_view hint = {};  ///< what else can be done where it is missing
+  bool optional = false;       ///< where it is missing it is empty
 };
 
 /// The wanted columns in their order, in SI units, and where each row stands.

@@ -15,8 +15,8 @@ inline constexpr std::size_t boundary_support = 40;
 /// The boundary between two neighbouring runs, moved to where the two sides are explained best
 /// (Núñez et al. 2009, sec. 3.2, after Diosi & Kleeman 2003: the point in the neighbourhood of a
 /// corner where the sum of both lines' error variances is least). `cost_before(run)` and
-/// `cost_after(run)` say how badly one side's curve explains a run. Both runs keep two readings, and
-/// must have them.
+/// `cost_after(run)` say how badly one side's curve explains a run. Both runs keep two readings,
+/// and must have them.
 template <typename CostBefore, typename CostAfter>
 std::size_t placed_boundary(const ReadingRun& before, const ReadingRun& after, std::size_t reach,
                             const CostBefore& cost_before, const CostAfter& cost_after) {

@@ -15,8 +15,7 @@ void Cuba::Options::declare(OptionVisitor& visit) {
 }
 
 bool Cuba::supports(std::size_t from, std::size_t to) const {
-  const double chord =
-      std::hypot(points_[to].x - points_[from].x, points_[to].y - points_[from].y);
+  const double chord = std::hypot(points_[to].x - points_[from].x, points_[to].y - points_[from].y);
   const double length = lengths_.lengths()[to] - lengths_.lengths()[from];
   const double noise = lengths_.excess()[to] - lengths_.excess()[from];
   return length - chord <= options_.excess + 2 * noise;

@@ -13,8 +13,9 @@ namespace ilss {
 ///   l(i, i + k) - |p_{i+k} - p_i| <= U_k,
 /// backwards likewise; U_k is `excess` and twice what noise adds to the contour's length, which is
 /// walked in steps of `ruler` deviations of a reading's place. The curvature index is that of the
-/// angle between the vectors f_i and b_i from i to its support's ends, (1 + cos(f_i, b_i)) / 2: 0 on
-/// a line, 1 where the contour turns back; here it is taken as the angle by which the contour turns.
+/// angle between the vectors f_i and b_i from i to its support's ends, (1 + cos(f_i, b_i)) / 2: 0
+/// on a line, 1 where the contour turns back; here it is taken as the angle by which the contour
+/// turns.
 class Cuba {
  public:
   static constexpr std::string_view name = "cuba";

@@ -7,15 +7,16 @@
 
 namespace ilss {
 
-/// Curvature scale space (Mokhtarian & Mackworth 1986). The contour, by its length, is smoothed with
-/// Gaussians. Corners are extrema of the curvature at the coarsest scale; each is followed through
-/// finer scales, every one 1/sqrt(2) of the one before, to where it is at the finest. The turn at
-/// such an extremum is its curvature by that of a corner of 1 rad, 1 / (sqrt(2 pi) scale).
+/// Curvature scale space (Mokhtarian & Mackworth 1986). The contour, by its length, is smoothed
+/// with Gaussians. Corners are extrema of the curvature at the coarsest scale; each is followed
+/// through finer scales, every one 1/sqrt(2) of the one before, to where it is at the finest. The
+/// turn at such an extremum is its curvature by that of a corner of 1 rad, 1 / (sqrt(2 pi) scale).
 class CurvatureScaleSpace {
  public:
   static constexpr std::string_view name = "curvature_scale_space";
   static constexpr std::string_view description =
-      "segmenter: splits at extrema of the curvature, found at a coarse scale, placed at a fine one";
+      "segmenter: splits at extrema of the curvature, found at a coarse scale, placed at a fine "
+      "one";
   static constexpr std::string_view reference =
       "Mokhtarian & Mackworth 1986, as in Núñez et al. 2009, sec. 2.3 (CSS)";
 

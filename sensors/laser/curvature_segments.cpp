@@ -110,8 +110,8 @@ void CurvatureSegments::segment(std::span<const ScanPoint> points, const LaserNo
     runs.push_back({0, points.size()});
     return;
   }
-  sums_.set(points, {noise.range_variance + rule_.roughness * rule_.roughness,
-                     noise.bearing_variance});
+  sums_.set(points,
+            {noise.range_variance + rule_.roughness * rule_.roughness, noise.bearing_variance});
   segments_.clear();
   std::size_t begin = 0;
   for (const std::size_t corner : corners) {

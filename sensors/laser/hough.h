@@ -17,8 +17,8 @@ namespace ilss {
 /// (Comaniciu 2003, with the kernel of Epanechnikov): from a vote, the line goes to the weighted
 /// mean of those votes that are within `bandwidth` deviations of it, until it stays; the best vote
 /// that belongs to no cluster starts the next. Runs of votes for one line become segments, those
-/// shorter than a neighbourhood are votes across a corner. Segments meet where the squared distances
-/// to both lines are least.
+/// shorter than a neighbourhood are votes across a corner. Segments meet where the squared
+/// distances to both lines are least.
 class Hough {
  public:
   static constexpr std::string_view name = "hough";

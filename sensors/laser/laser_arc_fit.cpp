@@ -105,7 +105,7 @@ bool bulges(std::span<const ScanPoint> points, const Vector3& circle) {
 }  // namespace
 
 std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, const LaserNoise& noise,
-                                         std::size_t with_biases) {
+                                         const UncertainBiases& biases) {
   if (points.size() < 4) return std::nullopt;
   const auto start = algebraic_circle(points);
   if (!start) return std::nullopt;
@@ -146,11 +146,11 @@ std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, cons
       signs.asDiagonal() * factor.solve(Matrix3::Identity()).eval() * signs.asDiagonal();
   fit.chi_squared = normals.chi_squared;
   fit.readings = points.size();
-  if (with_biases > 0) {
+  if (biases.count > 0) {
     for (const ScanPoint& p : points) {
       const ArcResidual r = residual_of(p, circle, noise);
       Vector3 by_bias = r.weight * r.by_range * r.by_circle;
-      for (std::size_t k = 0; k < with_biases; ++k, by_bias *= p.range)
+      for (std::size_t k = 0; k < biases.count; ++k, by_bias *= p.range / biases.reference)
         fit.by_bias.col(static_cast<Eigen::Index>(k)) += by_bias;
     }
     fit.by_bias = signs.asDiagonal() * (-factor.solve(fit.by_bias)).eval();

@@ -27,11 +27,11 @@ struct LaserArcFit {
 /// where n is the circle's normal at the point, s_i² = sigma_r² (n·d)² + r_i² sigma_phi² (n×d)² the
 /// variance along it and t_i² the variance across it, which on a curve lengthens the distance (and
 /// adds t_i⁴ / (2 radius²) to s_i², all there is where a beam without bearing noise grazes). By
-/// Levenberg-Marquardt from the algebraic circle of the points; full 3x3 covariance. `with_biases`
-/// as for a line. Nothing where fewer than four readings are given, they lie on a line or the
+/// Levenberg-Marquardt from the algebraic circle of the points; full 3x3 covariance. `biases` as
+/// for a line. Nothing where fewer than four readings are given, they lie on a line or the
 /// iteration does not settle.
 std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, const LaserNoise& noise,
-                                         std::size_t with_biases = 0);
+                                         const UncertainBiases& biases = {});
 
 /// How far a reading is off the circle, in squared standard deviations.
 double squared_residual(const LaserArcFit& arc, const ScanPoint& p, const LaserNoise& noise);

@@ -36,11 +36,11 @@ std::span<const double> column_of(const Eigen::Matrix<double, Rows, 1>& column) 
   return {column.data(), static_cast<std::size_t>(Rows)};
 }
 
-/// What each bias adds to a range.
-Eigen::Matrix<double, 1, bias_count> powers_of(double range) {
+/// What each bias adds to a range that is such a share of the biases' reference.
+Eigen::Matrix<double, 1, bias_count> powers_of(double share) {
   Eigen::Matrix<double, 1, bias_count> powers;
   double power = 1;
-  for (Eigen::Index k = 0; k < bias_count; ++k, power *= range) powers[k] = power;
+  for (Eigen::Index k = 0; k < bias_count; ++k, power *= share) powers[k] = power;
   return powers;
 }
 
@@ -223,7 +223,8 @@ void LaserFeatureWriter::add_arc(std::size_t index, const LaserSegment& segment,
     by_circle << normal * normal.transpose(), sign * normal;
     set_place<rows, 3>(feature, 3 + 2 * i, centre + std::abs(arc.radius) * normal, by_circle);
     const double along = tangent.dot(Vector2(p.cosine, p.sine));
-    by_slide.middleRows<2>(3 + 2 * i) = turn(tangent) * along * powers_of(p.range);
+    by_slide.middleRows<2>(3 + 2 * i) =
+        turn(tangent) * along * powers_of(p.range / evaluation_.input(0).value[bias_range]);
     by_noise[static_cast<std::size_t>(i)] =
         turn(tangent) *
         std::sqrt(noise_.range_variance * along * along +

@@ -8,14 +8,6 @@
 namespace ilss {
 namespace {
 
-/// How many systematic coefficients of the ranges are uncertain: up to the last one that is.
-std::size_t uncertain_biases(const Estimate& scan) {
-  if (scan.lineage.empty()) return 0;
-  std::size_t count = range_biases;
-  while (count > 0 && scan.lineage.variance(first_bias + count - 1) == 0) --count;
-  return count;
-}
-
 double cosine_between(const LaserLineFit& a, const LaserLineFit& b) {
   return std::cos(a.alpha - b.alpha);
 }
@@ -110,7 +102,7 @@ bool LaserFeatures::is_within_reach(const ScanPoint& place, const LaserSegment& 
 /// Takes in readings next to a segment that no segment has and that lie on it: at grazing
 /// incidence, pieces of one surface are broken off.
 void LaserFeatures::extend(LaserSegment& segment, std::size_t begin, std::size_t end,
-                           const LaserNoise& noise, std::size_t biases) const {
+                           const LaserNoise& noise, const UncertainBiases& biases) const {
   constexpr double on_it = 9;  // squared standard deviations
   const auto points = scan_.points();
   const auto lies_on_it = [&](std::size_t i) {
@@ -144,7 +136,7 @@ void LaserFeatures::add_edges(std::size_t index, double deviation,
     add_end(segment.run.end - 1, segment.run.end);
 }
 
-void LaserFeatures::fit_all(const LaserNoise& noise, std::size_t biases) {
+void LaserFeatures::fit_all(const LaserNoise& noise, const UncertainBiases& biases) {
   segments_.clear();
   const auto runs = scan_.runs();
   std::size_t free_from = 0;

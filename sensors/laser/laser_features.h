@@ -67,9 +67,9 @@ class LaserFeatures final : public Module {
   bool is_real_corner(const LaserSegment& before, const LaserSegment& after,
                       const LaserNoise& noise) const;
   bool is_within_reach(const ScanPoint& place, const LaserSegment& segment) const;
-  void fit_all(const LaserNoise& noise, std::size_t biases);
+  void fit_all(const LaserNoise& noise, const UncertainBiases& biases);
   void extend(LaserSegment& segment, std::size_t begin, std::size_t end, const LaserNoise& noise,
-              std::size_t biases) const;
+              const UncertainBiases& biases) const;
   void add_virtual_corners(class LaserFeatureWriter& writer) const;
   void add_edges(std::size_t index, double deviation, class LaserFeatureWriter& writer) const;
 

@@ -111,7 +111,7 @@ void turn(Normal& line, const Step& step) {
 Eigen::Matrix<double, 2, range_biases> bias_sensitivity(std::span<const ScanPoint> points,
                                                         const LaserNoise& noise, const Normal& line,
                                                         const Eigen::Matrix2d& covariance,
-                                                        std::size_t biases) {
+                                                        const UncertainBiases& biases) {
   Eigen::Matrix<double, 2, range_biases> sums = Eigen::Matrix<double, 2, range_biases>::Zero();
   for (const ScanPoint& p : points) {
     const double c = line.cosine * p.cosine + line.sine * p.sine;
@@ -119,7 +119,7 @@ Eigen::Matrix<double, 2, range_biases> bias_sensitivity(std::span<const ScanPoin
     const double g = line.rho / c * s;
     const double w = 1 / (noise.range_variance * c * c + noise.bearing_variance * g * g);
     double by_bias = w * c;
-    for (std::size_t k = 0; k < biases; ++k, by_bias *= p.range) {
+    for (std::size_t k = 0; k < biases.count; ++k, by_bias *= p.range / biases.reference) {
       sums(0, static_cast<Eigen::Index>(k)) += by_bias;
       sums(1, static_cast<Eigen::Index>(k)) += by_bias * g;
     }
@@ -130,7 +130,7 @@ Eigen::Matrix<double, 2, range_biases> bias_sensitivity(std::span<const ScanPoin
 }  // namespace
 
 std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
-                                           const LaserNoise& noise, std::size_t with_biases) {
+                                           const LaserNoise& noise, const UncertainBiases& biases) {
   if (points.size() < 2) return std::nullopt;
   Normal line = total_least_squares(points);
   Sums sums = accumulate<false>(points, noise, line);
@@ -151,8 +151,8 @@ std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
       fit.chi_squared = std::max(0.0, sums.wee - step.gain);
       fit.bend = bend_of(sums);
       fit.readings = points.size();
-      if (with_biases > 0)
-        fit.by_bias = bias_sensitivity(points, noise, line, fit.covariance, with_biases);
+      if (biases.count > 0)
+        fit.by_bias = bias_sensitivity(points, noise, line, fit.covariance, biases);
       return fit;
     }
     sums = accumulate<true>(points, noise, line);

@@ -37,11 +37,12 @@ struct LaserLineFit {
 /// and the covariance is (sum J_iᵀ J_i / s_i²)^-1 with J_i = (-1, -rho tan(alpha - phi_i)), the
 /// full information (Pfister et al. 2003, with what that leaves out). The weights come from the
 /// line and not from the noisy ranges, so that long readings are not preferred. By Gauss-Newton
-/// with renewed weights from the total least squares. `with_biases`: how many of the systematic
-/// coefficients to give sensitivities for. Nothing where fewer than two readings are given or they
+/// with renewed weights from the total least squares. `biases`: the systematic coefficients
+/// to give sensitivities for. Nothing where fewer than two readings are given or they
 /// determine no line that all beams meet.
 std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
-                                           const LaserNoise& noise, std::size_t with_biases = 0);
+                                           const LaserNoise& noise,
+                                           const UncertainBiases& biases = {});
 
 /// How far a reading is off the line, in squared standard deviations; infinite where its beam does
 /// not meet the line.

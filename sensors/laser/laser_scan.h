@@ -16,12 +16,12 @@ struct LaserBeam {
 
 /// A scan in the laser's own frame (REP 103: x forward, y to the left), one row of the samples a
 /// beam, in the order of the sweep. The components tell what later modules need of the device, and
-/// what its ranges have in common: a range r is wrong by the sum of bias_k r^k, beside its noise.
-/// The biases are 0 and known with some error, which does not average out.
+/// what its ranges have in common: a range r is wrong by the sum of bias_k (r / bias_range)^k,
+/// beside its noise. The biases are 0 and known with some error, which does not average out.
 template <typename T>
 struct LaserScan {
   T range_std, bearing_std, quantum, max_range;
-  T bias_0{}, bias_1{}, bias_2{}, bias_3{}, bias_4{}, bias_5{}, bias_6{};
+  T bias_0{}, bias_1{}, bias_2{}, bias_3{}, bias_4{}, bias_5{}, bias_6{}, bias_range{1.0};
 
   static constexpr std::string_view name = "laser_scan";
   static constexpr std::string_view documentation =
@@ -33,19 +33,21 @@ struct LaserScan {
              {"quantum", "m", "step in which ranges are told; exact", 0},
              {"max_range", "m", "beyond which there is no return; exact"},
              {"bias_0", "m", "of all ranges: an offset", 0},
-             {"bias_1", "1", "by the range: a scale", 0},
-             {"bias_2", "1/m", "by its square", 0},
-             {"bias_3", "1/m^2", "and so on", 0},
-             {"bias_4", "1/m^3", "", 0},
-             {"bias_5", "1/m^4", "", 0},
-             {"bias_6", "1/m^5", "", 0}};
+             {"bias_1", "m", "by the range: a scale", 0},
+             {"bias_2", "m", "by its square", 0},
+             {"bias_3", "m", "and so on", 0},
+             {"bias_4", "m", "", 0},
+             {"bias_5", "m", "", 0},
+             {"bias_6", "m", "", 0},
+             {"bias_range", "m", "at which each bias is what it says; exact", 1}};
   static SamplesDescriptor samples() { return {"SI", {"beam", "quantity"}}; }
 };
 
 /// How many coefficients the systematic error of a range has.
 inline constexpr std::size_t range_biases = 7;
-/// The first of them among a laser_scan's components.
+/// The first of them among a laser_scan's components, and the range that they refer to.
 inline constexpr std::size_t first_bias = 4;
+inline constexpr std::size_t bias_range = first_bias + range_biases;
 
 /// The beams of a scan's output.
 inline std::span<const LaserBeam> beams_of(const Output& scan) { return rows_of<LaserBeam>(scan); }

@@ -21,11 +21,12 @@ bool fits(double chi_squared, std::size_t readings, std::size_t parameters,
 
 std::optional<LaserSegment> fit_laser_segment(std::span<const ScanPoint> scan,
                                               const ReadingRun& run, const LaserNoise& noise,
-                                              const LaserModelRule& rule, std::size_t with_biases) {
+                                              const LaserModelRule& rule,
+                                              const UncertainBiases& biases) {
   const auto points = scan.subspan(run.begin, run.size());
-  const auto line = fit_laser_line(points, noise, with_biases);
+  const auto line = fit_laser_line(points, noise, biases);
   if (rule.largest_radius > 0 && (!line || line->bend > rule.evidence)) {
-    const auto arc = fit_laser_arc(points, noise, with_biases);
+    const auto arc = fit_laser_arc(points, noise, biases);
     if (arc && is_believable(*arc, rule) &&
         (!line || line->chi_squared - arc->chi_squared > rule.evidence) &&
         fits(arc->chi_squared, points.size(), 3, rule))

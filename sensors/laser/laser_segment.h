@@ -29,7 +29,8 @@ struct LaserModelRule {
 /// Fits a run of a scan's points; nothing where neither a line nor an arc fits.
 std::optional<LaserSegment> fit_laser_segment(std::span<const ScanPoint> scan,
                                               const ReadingRun& run, const LaserNoise& noise,
-                                              const LaserModelRule& rule, std::size_t with_biases);
+                                              const LaserModelRule& rule,
+                                              const UncertainBiases& biases);
 
 /// How far a reading is off the segment's line or arc, in squared standard deviations.
 double squared_residual(const LaserSegment& segment, const ScanPoint& p, const LaserNoise& noise);

@@ -80,8 +80,8 @@ void MaximumLikelihoodSegments::move_ends(std::span<const ScanPoint> points,
       ReadingRun& b = runs[i + 1];
       constexpr std::size_t most_between = 3;
       if (b.begin - a.end > most_between || a.size() < 4 || b.size() < 4) continue;
-      const auto fit_a = fit_laser_segment(points, a, noise, rule, 0);
-      const auto fit_b = fit_laser_segment(points, b, noise, rule, 0);
+      const auto fit_a = fit_laser_segment(points, a, noise, rule, {});
+      const auto fit_b = fit_laser_segment(points, b, noise, rule, {});
       if (!fit_a || !fit_b) continue;
       // Up to half of either may change hands.
       const std::size_t first = a.end - std::min<std::size_t>(a.size() / 2, 20);

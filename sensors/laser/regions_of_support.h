@@ -57,8 +57,7 @@ struct LocalVectors {
   double dot = 0;        ///< m²
   double deviation = 0;  ///< rad, of the angle between them, per metre of the places' noise
 };
-LocalVectors local_vectors(const ScanPoint& before, const ScanPoint& point,
-                           const ScanPoint& after);
+LocalVectors local_vectors(const ScanPoint& before, const ScanPoint& point, const ScanPoint& after);
 
 template <typename Supports>
 void RegionsOfSupport::update(std::span<const ScanPoint> points, const Supports& supports) {

@@ -31,6 +31,21 @@ struct LaserNoise {
   }
 };
 
+/// Which of the ranges' systematic coefficients are uncertain, and so are to be followed through a
+/// fit: the first `count` powers of range / reference.
+struct UncertainBiases {
+  std::size_t count = 0;
+  double reference = 1;  ///< m
+};
+
+/// Those of a laser_scan or segmented_scan: up to the last one that has an error.
+inline UncertainBiases uncertain_biases(const Estimate& scan) {
+  if (scan.lineage.empty()) return {};
+  std::size_t count = range_biases;
+  while (count > 0 && scan.lineage.variance(first_bias + count - 1) == 0) --count;
+  return {count, scan.value[bias_range]};
+}
+
 /// The noise that a laser_scan or segmented_scan states. `q²/12`: a uniform error within a step.
 inline LaserNoise noise_of(const Estimate& scan) {
   const double range_std = scan.value[0];

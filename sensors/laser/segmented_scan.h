@@ -19,7 +19,7 @@ struct SegmentedBeam {
 template <typename T>
 struct SegmentedScan {
   T range_std, bearing_std, quantum, max_range;
-  T bias_0{}, bias_1{}, bias_2{}, bias_3{}, bias_4{}, bias_5{}, bias_6{};
+  T bias_0{}, bias_1{}, bias_2{}, bias_3{}, bias_4{}, bias_5{}, bias_6{}, bias_range{1.0};
 
   static constexpr std::string_view name = "segmented_scan";
   static constexpr std::string_view documentation =

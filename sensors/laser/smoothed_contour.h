@@ -52,7 +52,8 @@ class SmoothedContour {
   ContourLength length_;
   std::vector<Knot> knots_;
   std::vector<Sample> samples_;
-  std::vector<double> first_, second_;  ///< the Gaussian's derivatives at 1, 2, ... steps; at 0 first
+  std::vector<double> first_,
+      second_;  ///< the Gaussian's derivatives at 1, 2, ... steps; at 0 first
 };
 
 }  // namespace ilss

@@ -57,8 +57,8 @@ bool TriangleArea::supports(std::size_t from, std::size_t to) const {
   const double x = points_[to].x - points_[from].x;
   const double y = points_[to].y - points_[from].y;
   const double enclosed = options_.absolute ? absolute_area(from, to) : area(from, to);
-  const double noise = options_.deviations_of_area * options_.deviations_of_area *
-                       (x * x + y * y) * std::max(variance_[from], variance_[to]);
+  const double noise = options_.deviations_of_area * options_.deviations_of_area * (x * x + y * y) *
+                       std::max(variance_[from], variance_[to]);
   return enclosed * enclosed < std::max(options_.area * options_.area, noise);
 }
 
@@ -66,8 +66,8 @@ void TriangleArea::find_turns() {
   turn_.assign(points_.size(), 0);
   deviation_.assign(points_.size(), 0);
   for (std::size_t i = 1; i + 1 < points_.size(); ++i) {
-    const LocalVectors vectors = local_vectors(points_[regions_.backward()[i]], points_[i],
-                                               points_[regions_.forward()[i]]);
+    const LocalVectors vectors =
+        local_vectors(points_[regions_.backward()[i]], points_[i], points_[regions_.forward()[i]]);
     if (vectors.product == 0) continue;
     const double sine = vectors.cross / vectors.product;
     // Beyond a right angle the sine falls again; the turn does not.

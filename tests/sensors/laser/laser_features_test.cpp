@@ -39,7 +39,7 @@ struct TestScene {
 Output scan_of(std::span<const ScanPoint> points, std::span<const ReadingRun> runs,
                const LaserDevice& device) {
   Output scan = output_of<SegmentedScan>(
-      {device.range_std, device.bearing_std, device.quantum, 100, 0, 0, 0, 0, 0, 0, 0});
+      {device.range_std, device.bearing_std, device.quantum, 100, 0, 0, 0, 0, 0, 0, 0, 2});
   scan.estimate.frame = "laser";
   const auto rows = make_rows<SegmentedBeam>(scan, points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -140,7 +140,7 @@ struct ExactScene {
   std::vector<ScanPoint> points;
   std::vector<ReadingRun> runs;
 
-  /// All ranges are off by the sum of bias[k] r^k.
+  /// All ranges are off by the sum of bias[k] (r / 2 m)^k.
   explicit ExactScene(std::array<double, 3> bias = {}) {
     const TestWall first{{2, -1.5}, {2.5, 0.2}};
     const TestWall second{{2.5, 0.2}, {0.5, 1.8}};
@@ -153,7 +153,7 @@ struct ExactScene {
       const auto nearest = std::min_element(ranges.begin(), ranges.end());
       const int seen = std::isfinite(*nearest) ? static_cast<int>(nearest - ranges.begin()) : -1;
       const double r = seen < 0 ? 0 : *nearest;
-      const double range = r == 0 ? 0 : r + bias[0] + bias[1] * r + bias[2] * r * r;
+      const double range = r == 0 ? 0 : r + bias[0] + bias[1] * r / 2 + bias[2] * r * r / 4;
       if (seen >= 0 && seen != last_seen) runs.push_back({points.size(), points.size()});
       points.push_back({bearing, c, s, range, range * c, range * s});
       if (seen >= 0) runs.back().end = points.size();

@@ -1,0 +1,98 @@
+#include "sensors/laser/laser_calibration.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "sensors/laser/laser_correction.h"
+
+namespace ilss {
+namespace {
+
+Outcome<> check(std::span<const CalibrationRange> ranges, int order) {
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    const CalibrationRange& r = ranges[i];
+    if (!(std::isfinite(r.measured) && std::isfinite(r.truth) && std::isfinite(r.deviation)) ||
+        !(r.measured > 0) || !(r.truth > 0) || r.deviation < 0)
+      return Fault{FaultKind::bad_data,
+                   fmt::format("range {}: measured {:g} m, true {:g} m, sd {:g} m", i + 1,
+                               r.measured, r.truth, r.deviation)};
+    if ((r.deviation > 0) != (ranges[0].deviation > 0))
+      return Fault{FaultKind::bad_data, "give every range an sd, or none"};
+  }
+  if (static_cast<int>(ranges.size()) < order + 2)
+    return Fault{FaultKind::degenerate,
+                 fmt::format("a polynomial of order {} needs {} ranges at least, {} are given",
+                             order, order + 2, ranges.size())};
+  return {};
+}
+
+/// What the polynomial leaves of each range.
+void judge(std::span<const CalibrationRange> ranges, LaserCalibration& calibration) {
+  double squares = 0;
+  double before = 0;
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    const CalibrationRange& r = ranges[i];
+    const double error = r.measured - r.truth;
+    const double residual =
+        error - range_bias(calibration.bias, r.measured / calibration.reference);
+    squares += residual * residual;
+    before += error * error;
+    if (r.deviation > 0)
+      calibration.chi_squared += residual * residual / (r.deviation * r.deviation);
+    if (std::abs(residual) <= std::abs(calibration.largest)) continue;
+    calibration.largest = residual;
+    calibration.largest_at = i;
+  }
+  calibration.range_std = std::sqrt(squares / calibration.degrees_of_freedom());
+  calibration.uncorrected = std::sqrt(before / static_cast<double>(ranges.size()));
+}
+
+}  // namespace
+
+Outcome<LaserCalibration> calibrate_laser(std::span<const CalibrationRange> ranges, int order) {
+  if (auto good = check(ranges, order); !good) return good.fault();
+  LaserCalibration calibration;
+  calibration.order = order;
+  calibration.points = ranges.size();
+  calibration.noise_is_stated = ranges[0].deviation > 0;
+  const auto [least, most] =
+      std::minmax_element(ranges.begin(), ranges.end(),
+                          [](const auto& a, const auto& b) { return a.measured < b.measured; });
+  calibration.reference = most->measured;
+  calibration.least_range = least->measured;
+  const auto rows = static_cast<Eigen::Index>(ranges.size());
+  const Eigen::Index columns = order + 1;
+  Eigen::MatrixXd powers(rows, columns);
+  Eigen::VectorXd errors(rows);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const CalibrationRange& r = ranges[static_cast<std::size_t>(i)];
+    double weighted = r.deviation > 0 ? 1 / r.deviation : 1;
+    errors[i] = weighted * (r.measured - r.truth);
+    for (Eigen::Index k = 0; k < columns; ++k, weighted *= r.measured / calibration.reference)
+      powers(i, k) = weighted;
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(powers);
+  if (qr.rank() < columns)
+    return Fault{FaultKind::degenerate,
+                 fmt::format("the ranges do not determine a polynomial of order {}: they need to "
+                             "differ more",
+                             order)};
+  const Eigen::VectorXd bias = qr.solve(errors);
+  std::copy(bias.begin(), bias.end(), calibration.bias.begin());
+  judge(ranges, calibration);
+  // (AᵀA)⁻¹ by the factors of A = Q R Pᵀ.
+  const Eigen::MatrixXd triangle =
+      qr.matrixR().topRows(columns).triangularView<Eigen::Upper>().toDenseMatrix();
+  const Eigen::MatrixXd inverse =
+      triangle.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(columns, columns));
+  const Eigen::MatrixXd factor = qr.colsPermutation() * inverse;
+  const double scale = calibration.noise_is_stated ? 1 : calibration.range_std;
+  calibration.covariance.topLeftCorner(columns, columns) =
+      scale * scale * factor * factor.transpose();
+  return calibration;
+}
+
+}  // namespace ilss
