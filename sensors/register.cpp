@@ -18,6 +18,7 @@
 #include "sensors/laser/laser_scene.h"
 #include "sensors/laser/laser_scene_features.h"
 #include "sensors/laser/laser_scene_segments.h"
+#include "sensors/laser/maximum_likelihood_segments.h"
 #include "sensors/lep/lep_detector.h"
 #include "sensors/lep/lep_ranging.h"
 #include "sensors/lep/lep_sensor.h"
@@ -58,6 +59,7 @@ void register_sensors(Registry& registry) {
   registry.add<LepDetector>();
   registry.add<LepTriangulation>();
   registry.add(linear_type());
+  registry.add<Segmenter<MaximumLikelihoodSegments>>();
   registry.add<PlanarTransform>();
   registry.add<RangeCalibration>();
   registry.add<RangeReadings>();

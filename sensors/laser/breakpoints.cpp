@@ -8,8 +8,8 @@
 
 namespace ilss {
 bool BreakpointRule::breaks(double range_before, double range, double step) {
-  // The steps of a scan are alike, so that the last one's numbers serve again.
-  if (step != step_) {
+  // The steps of a scan are alike but for rounding, so that the last one's numbers serve again.
+  if (!(std::abs(step - step_) < 1e-9 * std::abs(step_))) {
     step_ = step;
     const double angle = std::abs(step);
     reach_ = angle < incidence_ ? std::sin(angle) / std::sin(incidence_ - angle) : INFINITY;

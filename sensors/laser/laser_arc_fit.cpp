@@ -158,6 +158,11 @@ std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, cons
   return fit;
 }
 
+double squared_residual(const LaserArcFit& arc, const ScanPoint& p, const LaserNoise& noise) {
+  const ArcResidual r = residual_of(p, {arc.x, arc.y, std::abs(arc.radius)}, noise);
+  return r.value * r.value * r.weight;
+}
+
 double range_of(const LaserArcFit& arc, const ScanPoint& beam) {
   const double along = arc.x * beam.cosine + arc.y * beam.sine;
   const double across = arc.x * beam.sine - arc.y * beam.cosine;

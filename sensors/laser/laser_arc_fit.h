@@ -33,6 +33,9 @@ struct LaserArcFit {
 std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, const LaserNoise& noise,
                                          std::size_t with_biases = 0);
 
+/// How far a reading is off the circle, in squared standard deviations.
+double squared_residual(const LaserArcFit& arc, const ScanPoint& p, const LaserNoise& noise);
+
 /// The distance along a beam at which it meets the circle (m): the near side of one that bulges,
 /// the far side of a hollow one; beams that pass it: where they are nearest to its centre.
 double range_of(const LaserArcFit& arc, const ScanPoint& beam);

@@ -36,6 +36,14 @@ std::span<const double> column_of(const Eigen::Matrix<double, Rows, 1>& column) 
   return {column.data(), static_cast<std::size_t>(Rows)};
 }
 
+/// What each bias adds to a range.
+Eigen::Matrix<double, 1, bias_count> powers_of(double range) {
+  Eigen::Matrix<double, 1, bias_count> powers;
+  double power = 1;
+  for (Eigen::Index k = 0; k < bias_count; ++k, power *= range) powers[k] = power;
+  return powers;
+}
+
 /// A place on a line where a beam meets it, in the laser's frame, with its derivatives by the
 /// line's (rho, alpha) and by the beam's bearing.
 struct PlaceOnLine {
@@ -133,14 +141,13 @@ void LaserFeatureWriter::set_line(Feature<Rows, 2>& feature, int rho_row, int ph
 /// Appends a feature, its lineage so far only what comes from the mount and the ranges' systematic
 /// errors.
 template <int Rows, int P>
-Estimate& LaserFeatureWriter::write(
-    const PayloadDescriptor& type, const Feature<Rows, P>& feature,
-    const Eigen::Matrix<double, P, static_cast<int>(range_biases)>& by_bias) {
+Estimate& LaserFeatureWriter::write(const PayloadDescriptor& type,
+                                    const Feature<Rows, P>& feature) {
   Estimate& element = next(type);
   element.value.assign(feature.value.data(), feature.value.data() + Rows);
   if (!has_systematic_errors_) return element;
   Eigen::Matrix<double, Rows, scan_size> by_scan = Eigen::Matrix<double, Rows, scan_size>::Zero();
-  by_scan.template middleCols<bias_count>(bias_column) = feature.by_fit * by_bias;
+  by_scan.template middleCols<bias_count>(bias_column) = feature.by_bias;
   const std::array<LineageTerm, 2> terms{
       {{by_scan.data(), &evaluation_.input(0).lineage},
        {feature.by_mount.data(), &evaluation_.parameters.lineage}}};
@@ -172,7 +179,8 @@ void LaserFeatureWriter::add_line(std::size_t index, const LaserSegment& segment
   feature.value[6] = static_cast<double>(line.readings);
   feature.value[7] = static_cast<double>(segment.run.begin);
   feature.value[8] = static_cast<double>(segment.run.end - 1);
-  Estimate& element = write(descriptor<LineSegment>(), feature, line.by_bias);
+  feature.by_bias = feature.by_fit * line.by_bias;
+  Estimate& element = write(descriptor<LineSegment>(), feature);
   const Eigen::Matrix2d factor = factor_of(line.covariance);
   const Eigen::Matrix<double, rows, 2> columns = feature.by_fit * factor;
   element.lineage.add(source(index, 0), column_of<rows>(columns.col(0)));
@@ -186,10 +194,8 @@ void LaserFeatureWriter::add_line(std::size_t index, const LaserSegment& segment
     column.template segment<2>(4) = turn(end.by_bearing) * bearing_std;
     element.lineage.add(source(index, column_of_end), column_of<rows>(column));
   }
-  // A short line turns about its middle, and its distance from the origin then changes by
-  // -rho (change of phi)² / 2. First order does not see that; here is its root mean square.
-  const double second_order = std::sqrt(0.75) * element.value[0] * line.covariance(1, 1);
-  element.lineage.add(source(index, column_of_second_order), 0, second_order);
+  element.lineage.add(source(index, column_of_second_order), 0,
+                      std::sqrt(line.second_order_variance()));
 }
 
 void LaserFeatureWriter::add_arc(std::size_t index, const LaserSegment& segment,
@@ -205,6 +211,8 @@ void LaserFeatureWriter::add_arc(std::size_t index, const LaserSegment& segment,
   feature.by_fit.row(2) << 0, 0, 1;
   feature.by_mount.row(2).setZero();
   // An end is the point of the circle next to the first or last reading.
+  Eigen::Matrix<double, rows, bias_count> by_slide =
+      Eigen::Matrix<double, rows, bias_count>::Zero();
   std::array<Vector2, 2> by_noise;
   const std::array<const ScanPoint*, 2> ends{&scan[segment.run.begin], &scan[segment.run.end - 1]};
   for (int i = 0; i < 2; ++i) {
@@ -215,15 +223,17 @@ void LaserFeatureWriter::add_arc(std::size_t index, const LaserSegment& segment,
     by_circle << normal * normal.transpose(), sign * normal;
     set_place<rows, 3>(feature, 3 + 2 * i, centre + std::abs(arc.radius) * normal, by_circle);
     const double along = tangent.dot(Vector2(p.cosine, p.sine));
+    by_slide.middleRows<2>(3 + 2 * i) = turn(tangent) * along * powers_of(p.range);
     by_noise[static_cast<std::size_t>(i)] =
         turn(tangent) *
         std::sqrt(noise_.range_variance * along * along +
                   p.range * p.range * noise_.bearing_variance * (1 - along * along));
   }
+  feature.by_bias = feature.by_fit * arc.by_bias + by_slide;
   feature.value[7] = static_cast<double>(arc.readings);
   feature.value[8] = static_cast<double>(segment.run.begin);
   feature.value[9] = static_cast<double>(segment.run.end - 1);
-  Estimate& element = write(descriptor<ArcSegment>(), feature, arc.by_bias);
+  Estimate& element = write(descriptor<ArcSegment>(), feature);
   const Eigen::Matrix3d factor = factor_of(arc.covariance);
   const Eigen::Matrix<double, rows, 3> columns = feature.by_fit * factor;
   for (int k = 0; k < 3; ++k)
@@ -257,7 +267,8 @@ void LaserFeatureWriter::add_corner(std::size_t a, const LaserLineFit& line_a, s
   set_place<2, 4>(feature, 0, place, by_lines);
   Eigen::Matrix<double, 4, bias_count> by_bias;
   by_bias << line_a.by_bias, line_b.by_bias;
-  Estimate& element = write(descriptor<Corner>(), feature, by_bias);
+  feature.by_bias = feature.by_fit * by_bias;
+  Estimate& element = write(descriptor<Corner>(), feature);
   element.labels[0] = static_cast<int>(kind);
   const auto add_noise = [&](std::size_t segment, const Eigen::Matrix2d& by_fit,
                              const Eigen::Matrix2d& covariance) {
@@ -277,7 +288,8 @@ void LaserFeatureWriter::add_edge(std::size_t index, const LaserLineFit& line,
   Feature<3, 2> feature;
   set_place(feature, 0, place.at, place.by_line);
   set_line(feature, -1, 2, line);
-  Estimate& element = write(descriptor<SurfaceEdge>(), feature, line.by_bias);
+  feature.by_bias = feature.by_fit * line.by_bias;
+  Estimate& element = write(descriptor<SurfaceEdge>(), feature);
   const Eigen::Matrix<double, 3, 2> columns = feature.by_fit * factor_of(line.covariance);
   element.lineage.add(source(index, 0), column_of<3>(columns.col(0)));
   element.lineage.add(source(index, 1), column_of<3>(columns.col(1)));

@@ -42,12 +42,14 @@ class LaserFeatureWriter {
 
  private:
   /// A feature in the robot's plane: its components, and how they follow from its fit's P
-  /// parameters and from the mount.
+  /// parameters, from the mount and from the ranges' biases.
   template <int Rows, int P>
   struct Feature {
     Eigen::Matrix<double, Rows, 1> value;
     Eigen::Matrix<double, Rows, P> by_fit = Eigen::Matrix<double, Rows, P>::Zero();
     Eigen::Matrix<double, Rows, 3> by_mount = Eigen::Matrix<double, Rows, 3>::Zero();
+    Eigen::Matrix<double, Rows, static_cast<int>(range_biases)> by_bias =
+        Eigen::Matrix<double, Rows, static_cast<int>(range_biases)>::Zero();
   };
 
   Estimate& next(const PayloadDescriptor& type);
@@ -59,8 +61,7 @@ class LaserFeatureWriter {
   void set_line(Feature<Rows, 2>& feature, int rho_row, int phi_row,
                 const LaserLineFit& line) const;
   template <int Rows, int P>
-  Estimate& write(const PayloadDescriptor& type, const Feature<Rows, P>& feature,
-                  const Eigen::Matrix<double, P, static_cast<int>(range_biases)>& by_bias);
+  Estimate& write(const PayloadDescriptor& type, const Feature<Rows, P>& feature);
   void add_line(std::size_t index, const LaserSegment& segment, std::span<const ScanPoint> scan);
   void add_arc(std::size_t index, const LaserSegment& segment, std::span<const ScanPoint> scan);
   Source source(std::size_t segment, std::uint32_t column) const;

@@ -107,6 +107,23 @@ bool LaserFeatures::is_within_reach(const ScanPoint& place, const LaserSegment& 
   return distance <= options_.virtual_reach;
 }
 
+/// Takes in readings next to a segment that no segment has and that lie on it: at grazing
+/// incidence, pieces of one surface are broken off.
+void LaserFeatures::extend(LaserSegment& segment, std::size_t begin, std::size_t end,
+                           const LaserNoise& noise, std::size_t biases) const {
+  constexpr double on_it = 9;  // squared standard deviations
+  const auto points = scan_.points();
+  const auto lies_on_it = [&](std::size_t i) {
+    return points[i].range > 0 && squared_residual(segment, points[i], noise) < on_it;
+  };
+  ReadingRun run = segment.run;
+  while (run.begin > begin && lies_on_it(run.begin - 1)) --run.begin;
+  while (run.end < end && lies_on_it(run.end)) ++run.end;
+  if (run == segment.run) return;
+  if (auto longer = fit_laser_segment(points, run, noise, options_.model, biases))
+    segment = *longer;
+}
+
 /// Adds the edges at a line's ends: where the next beam, beyond a breakpoint, is farther.
 void LaserFeatures::add_edges(std::size_t index, double deviation,
                               LaserFeatureWriter& writer) const {
@@ -120,8 +137,27 @@ void LaserFeatures::add_edges(std::size_t index, double deviation,
     if (other.range > at.range && rule.breaks(at.range, other.range, other.bearing - at.bearing))
       writer.add_edge(index, segment.line, at, other);
   };
-  if (segment.run.begin > 0) add_end(segment.run.begin, segment.run.begin - 1);
-  if (segment.run.end < points.size()) add_end(segment.run.end - 1, segment.run.end);
+  const bool meets_after = index + 1 < segments_.size() && segments_[index + 1].meets_before;
+  if (segment.run.begin > 0 && !segment.meets_before)
+    add_end(segment.run.begin, segment.run.begin - 1);
+  if (segment.run.end < points.size() && !meets_after)
+    add_end(segment.run.end - 1, segment.run.end);
+}
+
+void LaserFeatures::fit_all(const LaserNoise& noise, std::size_t biases) {
+  segments_.clear();
+  const auto runs = scan_.runs();
+  std::size_t free_from = 0;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    auto segment = fit_laser_segment(scan_.points(), runs[i], noise, options_.model, biases);
+    if (segment) {
+      const bool is_last = i + 1 == runs.size();
+      extend(*segment, free_from, is_last ? scan_.points().size() : runs[i + 1].begin, noise,
+             biases);
+      segments_.push_back(*segment);
+    }
+    free_from = segment ? segment->run.end : runs[i].end;
+  }
 }
 
 Outcome<> LaserFeatures::evaluate(const Evaluation& evaluation, Output& output) {
@@ -130,21 +166,17 @@ Outcome<> LaserFeatures::evaluate(const Evaluation& evaluation, Output& output) 
   if (!(noise.range_variance > 0))
     return Fault{FaultKind::no_error_known, "the laser's ranges need a range_std or a quantum"};
   if (auto read = scan_.read(*evaluation.inputs[0]); !read) return read;
-  const std::size_t biases = uncertain_biases(scan);
-  segments_.clear();
-  for (const ReadingRun& run : scan_.runs())
-    if (auto segment = fit_laser_segment(scan_.points(), run, noise, options_.model, biases))
-      segments_.push_back(*segment);
+  fit_all(noise, uncertain_biases(scan));
   if (segments_.empty())
     return Fault{FaultKind::no_detection, "no segment of the scan is a line or an arc"};
   LaserFeatureWriter writer(evaluation, noise, output, spare_);
+  for (std::size_t i = 1; i < segments_.size(); ++i)
+    segments_[i].meets_before = is_real_corner(segments_[i - 1], segments_[i], noise);
   for (std::size_t i = 0; i < segments_.size(); ++i) {
-    LaserSegment& segment = segments_[i];
-    writer.add(i, segment, scan_.points());
-    if (i > 0 && is_real_corner(segments_[i - 1], segment, noise)) {
-      segment.meets_before = true;
-      writer.add_corner(i - 1, segments_[i - 1].line, i, segment.line, CornerKind::real_corner);
-    }
+    writer.add(i, segments_[i], scan_.points());
+    if (segments_[i].meets_before)
+      writer.add_corner(i - 1, segments_[i - 1].line, i, segments_[i].line,
+                        CornerKind::real_corner);
     add_edges(i, noise.range_deviation(), writer);
   }
   if (options_.virtual_reach > 0) add_virtual_corners(writer);

@@ -19,7 +19,8 @@ namespace ilss {
 ///
 /// Fits are those of maximum likelihood (fit_laser_line, fit_laser_arc); an arc is chosen where it
 /// saves `evidence` of chi². What fits neither (chi² above `largest_misfit` a degree of freedom) is
-/// left out. A real corner lies where the surface bends: neighbouring lines that meet between the
+/// left out. Readings next to a segment that no segment has and that lie on it (3 sd) count as its.
+/// A real corner lies where the surface bends: neighbouring lines that meet between the
 /// last beam of the one and the first of the other. Virtual corners lie where two other lines would
 /// meet within `virtual_reach` of their ends. An edge is where a line ends before a farther
 /// surface (a breakpoint, by the adaptive detector), never at the scan's first or last beam.
@@ -66,6 +67,9 @@ class LaserFeatures final : public Module {
   bool is_real_corner(const LaserSegment& before, const LaserSegment& after,
                       const LaserNoise& noise) const;
   bool is_within_reach(const ScanPoint& place, const LaserSegment& segment) const;
+  void fit_all(const LaserNoise& noise, std::size_t biases);
+  void extend(LaserSegment& segment, std::size_t begin, std::size_t end, const LaserNoise& noise,
+              std::size_t biases) const;
   void add_virtual_corners(class LaserFeatureWriter& writer) const;
   void add_edges(std::size_t index, double deviation, class LaserFeatureWriter& writer) const;
 

@@ -160,4 +160,15 @@ std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
   return std::nullopt;
 }
 
+double squared_residual(const LaserLineFit& line, const ScanPoint& p, const LaserNoise& noise) {
+  const double normal_x = std::cos(line.alpha);
+  const double normal_y = std::sin(line.alpha);
+  const double c = normal_x * p.cosine + normal_y * p.sine;
+  const double s = normal_y * p.cosine - normal_x * p.sine;
+  if (!(c > 0)) return INFINITY;
+  const double g = line.rho / c * s;
+  const double e = p.range * c - line.rho;
+  return e * e / (noise.range_variance * c * c + noise.bearing_variance * g * g);
+}
+
 }  // namespace ilss

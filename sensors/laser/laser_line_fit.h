@@ -20,6 +20,13 @@ struct LaserLineFit {
   double chi_squared = 0;                              ///< of the readings about it
   double bend = 0;           ///< chi² that a parabola in place of the line would save
   std::size_t readings = 0;  ///< two of them are its degrees of freedom
+
+  /// A short line turns about its middle, and rho then changes by -rho (change of alpha)² / 2,
+  /// which first order does not see: its mean square (m²). Independent of the covariance.
+  double second_order_variance() const {
+    const double change = rho * covariance(1, 1);
+    return 0.75 * change * change;
+  }
 };
 
 /// The line that makes the readings most likely. A reading's range differs from the line's,
@@ -35,6 +42,10 @@ struct LaserLineFit {
 /// determine no line that all beams meet.
 std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
                                            const LaserNoise& noise, std::size_t with_biases = 0);
+
+/// How far a reading is off the line, in squared standard deviations; infinite where its beam does
+/// not meet the line.
+double squared_residual(const LaserLineFit& line, const ScanPoint& p, const LaserNoise& noise);
 
 /// The line's distance along a beam (m); negative or not finite where the beam does not meet it.
 inline double range_of(const LaserLineFit& line, const ScanPoint& beam) {

@@ -35,4 +35,9 @@ std::optional<LaserSegment> fit_laser_segment(std::span<const ScanPoint> scan,
   return LaserSegment{run, *line, {}};
 }
 
+double squared_residual(const LaserSegment& segment, const ScanPoint& p, const LaserNoise& noise) {
+  return segment.arc ? squared_residual(*segment.arc, p, noise)
+                     : squared_residual(segment.line, p, noise);
+}
+
 }  // namespace ilss

@@ -31,4 +31,7 @@ std::optional<LaserSegment> fit_laser_segment(std::span<const ScanPoint> scan,
                                               const ReadingRun& run, const LaserNoise& noise,
                                               const LaserModelRule& rule, std::size_t with_biases);
 
+/// How far a reading is off the segment's line or arc, in squared standard deviations.
+double squared_residual(const LaserSegment& segment, const ScanPoint& p, const LaserNoise& noise);
+
 }  // namespace ilss
