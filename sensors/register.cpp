@@ -11,6 +11,9 @@
 #include "sensors/fusion/covariance_intersection.h"
 #include "sensors/fusion/fuse.h"
 #include "sensors/laser/breakpoints.h"
+#include "sensors/laser/cuba.h"
+#include "sensors/laser/curvature_scale_space.h"
+#include "sensors/laser/hough.h"
 #include "sensors/laser/iterative_end_point_fit.h"
 #include "sensors/laser/laser_features.h"
 #include "sensors/laser/laser_log.h"
@@ -19,6 +22,9 @@
 #include "sensors/laser/laser_scene_features.h"
 #include "sensors/laser/laser_scene_segments.h"
 #include "sensors/laser/maximum_likelihood_segments.h"
+#include "sensors/laser/split_and_merge.h"
+#include "sensors/laser/split_and_merge_fuzzy.h"
+#include "sensors/laser/triangle_area.h"
 #include "sensors/lep/lep_detector.h"
 #include "sensors/lep/lep_ranging.h"
 #include "sensors/lep/lep_sensor.h"
@@ -42,10 +48,13 @@ void register_sensors(Registry& registry) {
   registry.add<Camera>();
   registry.add<ConsistencyModule>();
   registry.add<CovarianceIntersection>();
+  registry.add<Segmenter<Cuba>>();
+  registry.add<Segmenter<CurvatureScaleSpace>>();
   registry.add<EkfLineExtractor>();
   registry.add<Fixate>();
   registry.add<Fuse>();
   registry.add(expression_type());
+  registry.add<Segmenter<Hough>>();
   registry.add<Segmenter<IterativeEndPointFit>>();
   registry.add<LaserFeatures>();
   registry.add<LaserLog>();
@@ -65,7 +74,10 @@ void register_sensors(Registry& registry) {
   registry.add<RangeReadings>();
   registry.add<SceneWall>();
   registry.add<Sonar>();
+  registry.add<Segmenter<SplitAndMerge>>();
+  registry.add<Segmenter<SplitAndMergeFuzzy>>();
   registry.add<TargetPoints>();
+  registry.add<Segmenter<TriangleArea>>();
   registry.add<VisionLine>();
   registry.add<WallFromSegments>();
   registry.add<WallPoseModule>();
