@@ -212,6 +212,20 @@ TEST(SetStudy, NeedsToBeToldWhatIsJudged) {
             "components that are judged\n");
 }
 
+TEST(SetStudy, RefusesRecordings) {
+  const std::string errors = read(R"(study: s
+payload: findings
+truth: {recorded: none.csv, columns: {count: {column: count}}}
+alternatives: {a: {recorded: none.csv, columns: {count: {column: count}}}}
+judge: {spot: [x]}
+)")
+                                 .errors;
+  EXPECT_NE(
+      errors.find("study.yaml:3:8: a study of sets compares graphs; recordings hold no sets\n"),
+      std::string::npos)
+      << errors;
+}
+
 TEST(SetStudy, ToleratedGraphIsCheckedLikeTheOthers) {
   EXPECT_EQ(read(study_text("frame: here", "frame: here",
                             judge + "tolerated: {graph: {modules: {m: {type: set_reading, frame: "
