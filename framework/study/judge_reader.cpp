@@ -97,8 +97,7 @@ ElementRule read_rule(const Node& node, const PayloadDescriptor& type, Diagnosti
   return rule;
 }
 
-}  // namespace
-
+/// Reads the rules of `judge`, in the order of the set's elements.
 std::vector<ElementRule> read_judge(const Node& judge, const PayloadDescriptor& set,
                                     Diagnostics& diagnostics) {
   std::vector<ElementRule> rules;
@@ -122,6 +121,50 @@ std::vector<ElementRule> read_judge(const Node& judge, const PayloadDescriptor& 
                                   element->name));
   }
   return rules;
+}
+
+double read_gate(const Node& node, Diagnostics& diagnostics) {
+  const auto value = parse_quantity(node.is_scalar() ? node.text : "", "1");
+  if (const double* number = std::get_if<double>(&value); number != nullptr && *number > 0)
+    return *number;
+  diagnostics.add(node.position, "expected a chi-square value above 0, got " + node.description());
+  return 0;
+}
+
+std::size_t read_reference(const Node& node, const std::vector<std::string>& alternatives,
+                           Diagnostics& diagnostics) {
+  const auto found = std::find(alternatives.begin(), alternatives.end(), node.text);
+  if (node.is_scalar() && found != alternatives.end())
+    return static_cast<std::size_t>(found - alternatives.begin());
+  diagnostics.add(node.position, fmt::format("no alternative is named {}{}", node.description(),
+                                             suggestion(node.text, alternatives)));
+  return 0;
+}
+
+}  // namespace
+
+void read_set_keys(const Node& file, Study& study, Diagnostics& diagnostics) {
+  const bool sets = study.compares_sets();
+  const std::vector<const char*> misplaced =
+      sets ? std::vector{"requirement", "draw_systematic_errors"}
+           : std::vector{"judge", "validation_gate", "reference", "tolerated"};
+  for (const char* key : misplaced)
+    if (const Node* node = file.find(key))
+      diagnostics.add(node->position, fmt::format("'{}' is for studies of {}; {} is {}", key,
+                                                  sets ? "single estimates" : "sets",
+                                                  study.payload->name, sets ? "a set" : "no set"));
+  if (!sets) return;
+  if (const Node* judge = file.find("judge"))
+    study.judged = read_judge(*judge, *study.payload, diagnostics);
+  else
+    diagnostics.add(file.position,
+                    fmt::format("a study of sets needs judge: a map of {} to the components that "
+                                "are judged",
+                                study.payload->element));
+  if (const Node* gate = file.find("validation_gate"))
+    study.validation_gate = read_gate(*gate, diagnostics);
+  if (const Node* reference = file.find("reference"))
+    study.reference = read_reference(*reference, study.alternatives, diagnostics);
 }
 
 }  // namespace ilss

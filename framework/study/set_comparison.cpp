@@ -118,7 +118,8 @@ class ElementScorer {
     score.matched = static_cast<std::int64_t>(matches_.size());
     for (const MatchedElement& match : matches_) {
       score.consistency.add(match.normalized);
-      score.inside_95 += is_inside(match, chi_square_quantile(match.normalized.rank, 0.95));
+      const int rank = match.normalized.rank;
+      score.inside_95 += is_inside(match, rank > 0 ? chi_square_quantile(rank, 0.95) : 0);
       if (gate) score.inside_gate += is_inside(match, *gate);
     }
     if (matches_.empty()) return score;

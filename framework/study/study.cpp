@@ -77,7 +77,6 @@ class StudyReader {
  private:
   void read_payload(const std::string& name);
   void read_requirement();
-  void read_set_keys(const std::vector<Side>& sides);
   Side read_side(const std::string& name, const Node& node, Position position);
   void read_rows(const Node& node, Side& side);
   std::optional<std::size_t> read_column(const Node& node, const Component& component,
@@ -141,7 +140,10 @@ std::optional<Study> StudyReader::read() {
     tolerated_ = read_side("tolerated", *tolerated, tolerated->position);
   if (tolerated_) sides.push_back(*tolerated_);
   check_kinds(sides);
-  read_set_keys(sides);
+  if (study_.compares_sets() && sides.front().recorded)
+    diagnostics_.add(sides.front().position,
+                     "a study of sets compares graphs; recordings hold no sets");
+  read_set_keys(root_, study_, diagnostics_);
   study_.recorded = sides.front().recorded;
   if (study_.recorded)
     add_recorded_cases(sides);
@@ -198,51 +200,6 @@ void StudyReader::read_requirement() {
                        fmt::format("the largest error must be above 0, got '{}'", limit->text));
     else
       study_.requirement[i] = std::get<double>(value);
-  }
-}
-
-/// Reads what only studies of sets have, and reports it in others.
-void StudyReader::read_set_keys(const std::vector<Side>& sides) {
-  const auto complain = [&](const char* key, std::string_view what) {
-    if (const Node* node = root_.find(key))
-      diagnostics_.add(node->position, fmt::format("'{}' is for studies of {}; {} is {}", key, what,
-                                                   study_.payload->name,
-                                                   study_.compares_sets() ? "a set" : "no set"));
-  };
-  if (!study_.compares_sets()) {
-    for (const char* key : {"judge", "validation_gate", "reference", "tolerated"})
-      complain(key, "sets");
-    return;
-  }
-  for (const char* key : {"requirement", "draw_systematic_errors"})
-    complain(key, "single estimates");
-  if (sides.front().recorded)
-    diagnostics_.add(sides.front().position,
-                     "a study of sets compares graphs; recordings hold no sets");
-  if (const Node* judge = root_.find("judge"))
-    study_.judged = read_judge(*judge, *study_.payload, diagnostics_);
-  else
-    diagnostics_.add(root_.position,
-                     fmt::format("a study of sets needs judge: a map of {} to the components that "
-                                 "are judged",
-                                 study_.payload->element));
-  if (const Node* gate = root_.find("validation_gate")) {
-    const auto value = parse_quantity(gate->is_scalar() ? gate->text : "", "1");
-    if (const double* number = std::get_if<double>(&value); number != nullptr && *number > 0)
-      study_.validation_gate = *number;
-    else
-      diagnostics_.add(gate->position,
-                       "expected a chi-square value above 0, got " + gate->description());
-  }
-  if (const Node* reference = root_.find("reference")) {
-    const auto& names = study_.alternatives;
-    const auto found = std::find(names.begin(), names.end(), reference->text);
-    if (reference->is_scalar() && found != names.end())
-      study_.reference = static_cast<std::size_t>(found - names.begin());
-    else
-      diagnostics_.add(reference->position,
-                       fmt::format("no alternative is named {}{}", reference->description(),
-                                   suggestion(reference->text, names)));
   }
 }
 

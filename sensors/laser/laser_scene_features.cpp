@@ -105,16 +105,23 @@ class LaserSceneFeatures::Writer {
   void write_between(const VisiblePiece& before, const VisiblePiece& after) {
     const ScenePoint* corner =
         before.is_arc || after.is_arc ? nullptr : common_end(wall(before), wall(after));
-    if (corner != nullptr) {
-      if (!is_wanted(before.counts && after.counts)) return;
-      const ScenePoint at = place(*corner);
-      write<Corner>({at.x, at.z, {static_cast<int>(CornerKind::real_corner)}});
-      return;
-    }
+    if (corner != nullptr) return write_corner(before, after, *corner);
     const bool before_is_nearer = beams_[before.last].hit->range < beams_[after.first].hit->range;
     const VisiblePiece& nearer = before_is_nearer ? before : after;
     if (nearer.is_arc || !is_wanted(nearer.counts)) return;
     write_edge(nearer, beams_[before_is_nearer ? before.last : after.first].point);
+  }
+
+  /// Where of two walls only one counts, its end at the corner is no mistake for an edge either:
+  /// there is next to nothing to be seen of the other.
+  void write_corner(const VisiblePiece& before, const VisiblePiece& after,
+                    const ScenePoint& corner) {
+    if (!is_wanted(before.counts && after.counts)) return;
+    const ScenePoint at = place(corner);
+    write<Corner>({at.x, at.z, {static_cast<int>(CornerKind::real_corner)}});
+    if (before.counts == after.counts) return;
+    const VisiblePiece& counted = before.counts ? before : after;
+    write<SurfaceEdge>({at.x, at.z, line_of(wall(counted), robot_).phi});
   }
 
   /// The end of a piece's wall that is nearest to where a beam met it last.

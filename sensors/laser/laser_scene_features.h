@@ -27,7 +27,8 @@ constexpr std::array<std::string_view, 2> choices(CountedPieces) { return {"coun
 /// between neighbouring beams, and an edge where a counted line's wall ends between its last
 /// (first) beam and a neighbour that meets a farther surface. `pieces: small` gives what pieces
 /// that do not count give: lines and arcs of three readings or more, and the corners and edges that
-/// one of them has a part in. In the robot's frame at the tick's time. Faults: as laser_scene's.
+/// one of them has a part in; also an edge where a counted line meets one of them in a corner.
+/// In the robot's frame at the tick's time. Faults: as laser_scene's.
 class LaserSceneFeatures final : public Module {
  public:
   static constexpr std::string_view name = "laser_scene_features";

@@ -170,6 +170,15 @@ cases: [{name: only}]
             "'here'; put a transform at its end\n");
 }
 
+TEST(Study, RefusesTheKeysOfSetsWhereNoneAreCompared) {
+  const Folder folder;
+  EXPECT_EQ(
+      read(folder, system_study + "cases: [{name: only}]\njudge: {x: [y]}\nvalidation_gate: 3\n")
+          .errors,
+      "study.yaml:7:8: 'judge' is for studies of sets; scalar is no set\n"
+      "study.yaml:8:18: 'validation_gate' is for studies of sets; scalar is no set\n");
+}
+
 TEST(Study, NamesTheUnknownPayload) {
   const Folder folder;
   EXPECT_EQ(read(folder, "study: s\npayload: scaler\n").errors,
