@@ -57,19 +57,35 @@ double CurvatureSegments::gain(const ReadingRun& before, const ReadingRun& after
   return cost({before.begin, after.end}) - cost(before) - cost(after);
 }
 
+void CurvatureSegments::update_gains() {
+  for (std::size_t k = 0; k < segments_.size(); ++k)
+    if (std::isnan(gains_[k]))
+      gains_[k] = k + 1 < segments_.size() ? gain(segments_[k], segments_[k + 1]) : INFINITY;
+}
+
+bool CurvatureSegments::merges(std::size_t k) const {
+  return gains_[k] <= rule_.evidence && (k == 0 || gains_[k] <= gains_[k - 1]) &&
+         gains_[k] < gains_[k + 1];
+}
+
 void CurvatureSegments::merge() {
-  gains_.clear();
-  for (std::size_t k = 0; k + 1 < segments_.size(); ++k)
-    gains_.push_back(gain(segments_[k], segments_[k + 1]));
-  while (!gains_.empty()) {
-    const auto least = std::min_element(gains_.begin(), gains_.end());
-    if (*least > rule_.evidence) return;
-    const auto k = static_cast<std::size_t>(least - gains_.begin());
-    segments_[k].end = segments_[k + 1].end;
-    segments_.erase(segments_.begin() + static_cast<std::ptrdiff_t>(k) + 1);
-    gains_.erase(least);
-    if (k > 0) gains_[k - 1] = gain(segments_[k - 1], segments_[k]);
-    if (k < gains_.size()) gains_[k] = gain(segments_[k], segments_[k + 1]);
+  gains_.assign(segments_.size(), NAN);
+  // In each round all pairs merge that gain less from being apart than their neighbours do.
+  for (std::size_t before = segments_.size() + 1; segments_.size() < before;) {
+    update_gains();
+    before = segments_.size();
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < before; ++k, ++kept) {
+      const bool is_first_of_two = merges(k);
+      segments_[kept] = segments_[k];
+      gains_[kept] = gains_[k];
+      if (!is_first_of_two) continue;
+      segments_[kept].end = segments_[++k].end;
+      gains_[kept] = NAN;
+      if (kept > 0) gains_[kept - 1] = NAN;
+    }
+    segments_.resize(kept);
+    gains_.resize(kept);
   }
 }
 

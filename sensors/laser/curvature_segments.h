@@ -46,6 +46,8 @@ class CurvatureSegments {
   double cost(const ReadingRun& run) const;
   /// By how much two neighbours cost less apart than as one.
   double gain(const ReadingRun& before, const ReadingRun& after) const;
+  void update_gains();
+  bool merges(std::size_t k) const;
   void merge();
   void place_corners();
 
@@ -53,7 +55,7 @@ class CurvatureSegments {
   CurveMomentSums sums_;
   std::vector<std::size_t> corners_;
   std::vector<ReadingRun> segments_;
-  std::vector<double> gains_;  ///< of each segment with the next
+  std::vector<double> gains_;  ///< of each segment and the next; NaN: to be found again
 };
 
 }  // namespace ilss

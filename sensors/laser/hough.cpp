@@ -117,8 +117,14 @@ void Hough::cluster() {
     const std::span<Vote> votes = std::span<Vote>(votes_).subspan(begin, end - begin);
     const Place place = shifted(votes_[start].place, votes);
     votes_[start].line = ++line;
+    const auto belongs = [&](const Vote& vote) {
+      return vote.line == 0 && difference(place, vote).square < 1;
+    };
     for (Vote& vote : votes)
-      if (vote.line == 0 && difference(place, vote).square < 1) vote.line = line;
+      if (belongs(vote)) vote.line = line;
+    // A longer line goes on as far as votes for it do.
+    for (std::size_t k = end; k < votes_.size() && belongs(votes_[k]); ++k) votes_[k].line = line;
+    for (std::size_t k = begin; k-- > 0 && belongs(votes_[k]);) votes_[k].line = line;
   }
 }
 
