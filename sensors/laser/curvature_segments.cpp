@@ -12,6 +12,12 @@ double square_distance(const ScanPoint& a, const ScanPoint& b) {
   return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
 }
 
+/// The weighted squared distances from the mean.
+double scatter(const CurveMoments& moments) {
+  return moments.xx + moments.yy -
+         (moments.x * moments.x + moments.y * moments.y) / moments.w;
+}
+
 }  // namespace
 
 void CornerRule::declare(OptionVisitor& visit) {
@@ -44,12 +50,25 @@ void CurvatureSegments::find_peaks(std::span<const ScanPoint> points, std::span<
   }
 }
 
+bool CurvatureSegments::shows_curvature(const ReadingRun& run, const CurveMoments& moments) const {
+  // The fourth moments of a short run are differences of those of the whole cluster: beyond this,
+  // nothing of them is left.
+  constexpr double precision = 1e-11;
+  const double square = scatter(moments);
+  return run.size() >= 4 && square * square > precision * moments.w * fourth_moment_;
+}
+
 double CurvatureSegments::cost(const ReadingRun& run) const {
   const CurveMoments moments = sums_.of(run.begin, run.end);
-  const double parameter = std::log(static_cast<double>(run.size()));
-  const double line = moments.line_chi_squared() + 2 * parameter;
+  const auto readings = static_cast<double>(run.size());
+  const double parameter = std::log(readings);
+  const double chi_squared = moments.line_chi_squared();
+  // Of a run no longer than the noise, any line is good that runs along the beams.
+  constexpr double clear = 10;  // variances
+  if (scatter(moments) < clear * readings) return std::max(chi_squared, readings) + 2 * parameter;
+  const double line = chi_squared + 2 * parameter;
   // No circle is better than a line that leaves less than another parameter would cost.
-  if (line < 3 * parameter || run.size() < 4) return line;
+  if (line < 3 * parameter || !shows_curvature(run, moments)) return line;
   return std::min(line, moments.circle().chi_squared + 3 * parameter);
 }
 
@@ -94,7 +113,8 @@ void CurvatureSegments::place_corners() {
     return sums_.of(run.begin, run.end).line_chi_squared();
   };
   const auto arc = [&](const ReadingRun& run) {
-    return run.size() < 4 ? line(run) : sums_.of(run.begin, run.end).circle().chi_squared;
+    const CurveMoments moments = sums_.of(run.begin, run.end);
+    return shows_curvature(run, moments) ? moments.circle().chi_squared : line(run);
   };
   const auto is_arc = [&](const ReadingRun& run) {
     return line(run) - arc(run) > std::log(static_cast<double>(run.size()));
@@ -128,6 +148,7 @@ void CurvatureSegments::segment(std::span<const ScanPoint> points, const LaserNo
   }
   sums_.set(points, {noise.range_variance + rule_.roughness * rule_.roughness,
                      noise.bearing_variance});
+  fourth_moment_ = sums_.of(0, points.size()).qq;
   segments_.clear();
   std::size_t begin = 0;
   for (const std::size_t corner : corners) {

@@ -55,6 +55,8 @@ void SmoothedContour::interpolate(std::span<const ScanPoint> points, const Laser
 
 void SmoothedContour::update(std::span<const ScanPoint> points, const LaserNoise& noise) {
   length_.update(points, noise);
+  samples_.clear();
+  if (!std::isfinite(length_.lengths().back())) return;  // nothing to smooth
   step_ = std::max(finest_step_,
                    length_.lengths().back() / (most_steps * static_cast<double>(points.size())));
   average(points);
