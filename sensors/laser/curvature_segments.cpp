@@ -14,8 +14,7 @@ double square_distance(const ScanPoint& a, const ScanPoint& b) {
 
 /// The weighted squared distances from the mean.
 double scatter(const CurveMoments& moments) {
-  return moments.xx + moments.yy -
-         (moments.x * moments.x + moments.y * moments.y) / moments.w;
+  return moments.xx + moments.yy - (moments.x * moments.x + moments.y * moments.y) / moments.w;
 }
 
 }  // namespace
@@ -146,8 +145,8 @@ void CurvatureSegments::segment(std::span<const ScanPoint> points, const LaserNo
     runs.push_back({0, points.size()});
     return;
   }
-  sums_.set(points, {noise.range_variance + rule_.roughness * rule_.roughness,
-                     noise.bearing_variance});
+  sums_.set(points,
+            {noise.range_variance + rule_.roughness * rule_.roughness, noise.bearing_variance});
   fourth_moment_ = sums_.of(0, points.size()).qq;
   segments_.clear();
   std::size_t begin = 0;

@@ -22,10 +22,10 @@ struct CornerRule {
 
 /// Splits a cluster into segments of homogeneous curvature (Núñez et al. 2006, as in Núñez et al.
 /// 2009, sec. 2.3 and 3.1): peaks of the curvature are corners, between them it is flat, about 0 on
-/// a line and above on a curve. A curve's noise has peaks, too, so two neighbours stay apart only if
-/// one line or one circle explains both worse than one each: chi², by noise and `roughness`, plus
-/// ln n for each parameter must be more than `evidence` larger for both as one. At last each corner
-/// moves to where the lines or circles beside it fit best.
+/// a line and above on a curve. A curve's noise has peaks, too, so two neighbours stay apart only
+/// if one line or one circle explains both worse than one each: chi², by noise and `roughness`,
+/// plus ln n for each parameter must be more than `evidence` larger for both as one. At last each
+/// corner moves to where the lines or circles beside it fit best.
 class CurvatureSegments {
  public:
   explicit CurvatureSegments(const CornerRule& rule) : rule_(rule) {}

@@ -67,8 +67,7 @@ Hough::Difference Hough::difference(const Place& line, const Vote& vote) const {
   const double y = vote.place.y - line.y;
   const double along = line.normal_x * y - line.normal_y * x;
   const double offset = line.normal_x * x + line.normal_y * y;
-  const double cross =
-      line.normal_x * vote.place.normal_y - line.normal_y * vote.place.normal_x;
+  const double cross = line.normal_x * vote.place.normal_y - line.normal_y * vote.place.normal_x;
   const double dot = line.normal_x * vote.place.normal_x + line.normal_y * vote.place.normal_y;
   const double angle = dot < 0 ? -cross : cross;  // a line has two normals
   const double square = (offset * offset * vote.offset_weight + angle * angle * vote.angle_weight) /

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-
 namespace ilss {
 
 void SegmentRule::declare(OptionVisitor& visit) {
   visit("least_readings", least_readings, "of a segment", {.minimum = 2, .maximum = 1000000});
-  visit("least_length", least_length, "of a segment: the longest of the distances between its first, middle and last points",
+  visit("least_length", least_length,
+        "of a segment: the longest of the distances between its first, middle and last points",
         {.unit = "m", .minimum = 0});
 }
 

@@ -16,8 +16,7 @@ void SplitAndMerge::Options::declare(OptionVisitor& visit) {
 
 bool SplitAndMerge::fits(std::span<const ScanPoint> points, const ReadingRun& run) const {
   const LeastSquaresLine line = fits_.line(run);
-  const double limit =
-      std::max(options_.threshold, options_.deviations * std::sqrt(line.variance));
+  const double limit = std::max(options_.threshold, options_.deviations * std::sqrt(line.variance));
   double farthest = 0;
   for (std::size_t i = run.begin; i < run.end; ++i)
     farthest = std::max(farthest, std::abs(line.distance(points[i])));

@@ -9,9 +9,10 @@ namespace ilss {
 /// Split and merge (Pavlidis & Horowitz 1974): the line of least squares through a run; where a
 /// point is farther from it than `threshold` and than `deviations` times the noise across it, the
 /// run is split. At a corner the ends of the run are as far from its line as the corner is, so that
-/// the point of the split is the farthest one in measure of the line between the two ends. Neighbours are merged
-/// from left to right as long as no point is farther from their common line than that, and at last
-/// each boundary moves to where the squared distances to the two lines are least.
+/// the point of the split is the farthest one in measure of the line between the two ends.
+/// Neighbours are merged from left to right as long as no point is farther from their common line
+/// than that, and at last each boundary moves to where the squared distances to the two lines are
+/// least.
 class SplitAndMerge {
  public:
   static constexpr std::string_view name = "split_and_merge";

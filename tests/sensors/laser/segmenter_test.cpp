@@ -46,9 +46,8 @@ struct AlgorithmNames {
   }
 };
 
-using Algorithms =
-    testing::Types<IterativeEndPointFit, SplitAndMerge, SplitAndMergeFuzzy, Hough,
-                   CurvatureScaleSpace, Cuba, TriangleArea>;
+using Algorithms = testing::Types<IterativeEndPointFit, SplitAndMerge, SplitAndMergeFuzzy, Hough,
+                                  CurvatureScaleSpace, Cuba, TriangleArea>;
 using CurveAlgorithms = testing::Types<CurvatureScaleSpace, Cuba, TriangleArea>;
 TYPED_TEST_SUITE(SegmenterTest, Algorithms, AlgorithmNames);
 TYPED_TEST_SUITE(CurveSegmenterTest, CurveAlgorithms, AlgorithmNames);
@@ -88,10 +87,10 @@ TYPED_TEST(SegmenterTest, TakesAWallAcrossAnyAxisAsOne) {
   for (int side = 0; side < 4; ++side) {
     SCOPED_TRACE(testing::Message() << "wall towards " << 90 * side << " degrees");
     const double direction = std::remainder(side * half_turn, 2 * pi);
-    const auto beams = this->noisy(
-        beams_to(direction - 1, direction + 1, 230,
-                 [&](double bearing) { return range_to_line(bearing, 2, direction); }),
-        7);
+    const auto beams =
+        this->noisy(beams_to(direction - 1, direction + 1, 230,
+                             [&](double bearing) { return range_to_line(bearing, 2, direction); }),
+                    7);
     EXPECT_EQ(this->chain.runs(scan_output(beams)), (std::vector<ReadingRun>{{0, 230}}));
   }
 }
@@ -129,14 +128,14 @@ TYPED_TEST(SegmenterTest, TakesTheWallBehindAsOnePieceAtEachEndOfTheScan) {
 TYPED_TEST(SegmenterTest, DoesNotMergeTheWallsBesideADoorway) {
   for (const double behind : {0.0, 3.0}) {  // no return, or a wall 1 m behind this one
     SCOPED_TRACE(testing::Message() << "behind the doorway " << behind);
-    const auto beams = this->noisy(
-        beams_to(-0.9, 0.9, 360,
-                 [&](double bearing) {
-                   const double range = range_to_line(bearing, 2, 0);
-                   const bool is_door = std::abs(range * std::sin(bearing)) < 0.4;
-                   return is_door ? range_to_line(bearing, behind, 0) : range;
-                 }),
-        11);
+    const auto beams =
+        this->noisy(beams_to(-0.9, 0.9, 360,
+                             [&](double bearing) {
+                               const double range = range_to_line(bearing, 2, 0);
+                               const bool is_door = std::abs(range * std::sin(bearing)) < 0.4;
+                               return is_door ? range_to_line(bearing, behind, 0) : range;
+                             }),
+                    11);
     const auto runs = this->chain.runs(scan_output(beams));
     ASSERT_EQ(runs.size(), behind > 0 ? 3U : 2U);
     EXPECT_LT(beams[runs.front().end - 1].bearing, -0.19);
@@ -318,8 +317,8 @@ Tally tally_rooms(double range_std) {
       const std::uint64_t seed = derive_seed(map, k);
       const auto laser = draw_standpoint(room, caster, sweep, {}, seed);
       if (!laser) continue;
-      const RoomScan scan = scan_room(room, caster, sweep, *laser,
-                                      {range_std, usual_errors.bearing_std, 0}, seed);
+      const RoomScan scan =
+          scan_room(room, caster, sweep, *laser, {range_std, usual_errors.bearing_std, 0}, seed);
       tally.add(scan.pieces, chain.runs(scan.scan));
     }
   }
@@ -348,8 +347,7 @@ TYPED_TEST(CurveSegmenterTest, FindsThePillarsOfGeneratedRooms) {
 
 TYPED_TEST(SegmenterTest, AllocatesNothingInSteadyState) {
   SKIP_UNLESS_ALLOCATIONS_ARE_COUNTED();
-  const Output cluster =
-      cluster_output(this->noisy(beams_to(-pi, pi, 720, range_to_room), 5));
+  const Output cluster = cluster_output(this->noisy(beams_to(-pi, pi, 720, range_to_room), 5));
   Segmenter<TypeParam> segmenter({});
   Output output;
   const std::vector<const Output*> inputs = {&cluster};
