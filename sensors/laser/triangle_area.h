@@ -16,7 +16,9 @@ namespace ilss {
 /// that is more. With the vectors f = p_{i+t_f} - p_i and b = p_{i-t_b} - p_i the triangle's area is
 ///   kappa = (b × f) / 2,
 /// and normalised by its sides, 2 kappa / (|b| |f|), the sine of the turn at i. Supports follow from
-/// reading to reading, so that a scan costs as much as it has readings.
+/// reading to reading, so that a scan costs as much as it has readings. Opposite bumps cancel in
+/// T^a - T^c; with `absolute`, areas on both sides of the chord add up instead, at a cost that grows
+/// with the supports.
 class TriangleArea {
  public:
   static constexpr std::string_view name = "triangle_area";

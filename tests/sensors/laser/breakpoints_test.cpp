@@ -19,9 +19,9 @@ ModuleRun clusters_of(const std::vector<LaserBeam>& beams, Breakpoints::Options 
 
 /// A scan at steps of half a degree.
 std::vector<LaserBeam> scan_of(const std::vector<double>& ranges, double step = 0.5 * degree) {
-  std::vector<LaserBeam> beams;
-  for (const double range : ranges)
-    beams.push_back({-1 + step * static_cast<double>(beams.size()), range});
+  std::vector<LaserBeam> beams(ranges.size());
+  for (std::size_t i = 0; i < ranges.size(); ++i)
+    beams[i] = {-1 + step * static_cast<double>(i), ranges[i]};
   return beams;
 }
 

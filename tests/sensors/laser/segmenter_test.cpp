@@ -282,6 +282,32 @@ TYPED_TEST(SegmenterTest, FindsTheSameWallsFromWhereverTheLaserStands) {
   EXPECT_GE(scans, 60);
 }
 
+TYPED_TEST(CurveSegmenterTest, TakesAPillarAsOneFromWhereverTheLaserStands) {
+  Scene room = convex_room();
+  room.pillars.push_back({.centre = {0, 0}, .radius = 0.6});
+  const RayCaster caster(room);
+  const LaserSweep sweep{.beams = 360};
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937_64 draw(seed);
+    const double around = std::uniform_real_distribution<double>(-pi, pi)(draw);
+    const double distance = std::uniform_real_distribution<double>(1.1, 2)(draw);
+    const double aside = std::uniform_real_distribution<double>(-0.5, 0.5)(draw);
+    const ScenePose laser{distance * std::cos(around), distance * std::sin(around),
+                          std::remainder(around + pi + aside, 2 * pi)};
+    const RoomScan exact = scan_room(room, caster, sweep, laser, {}, seed);
+    const auto pillar = std::find_if(exact.pieces.begin(), exact.pieces.end(),
+                                     [](const VisiblePiece& piece) { return piece.is_arc; });
+    ASSERT_NE(pillar, exact.pieces.end());
+    const auto runs = this->chain.runs(exact.scan);
+    // Beams that graze the pillar's sides are broken off before the segmenter.
+    EXPECT_TRUE(std::any_of(runs.begin(), runs.end(), [&](const ReadingRun& run) {
+      return run.begin >= pillar->first && run.begin <= pillar->first + 2 &&
+             run.end <= pillar->last + 1 && run.end + 2 >= pillar->last + 1;
+    }));
+  }
+}
+
 /// Counts by the protocol of Núñez et al. 2009, matched by overlap.
 struct Tally {
   int lines = 0, lines_found = 0, arcs = 0, arcs_found = 0, extracted = 0, wrong = 0;
