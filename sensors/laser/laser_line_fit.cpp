@@ -86,18 +86,23 @@ Step step_of(const Sums& s, double determinant) {
   return {rho, alpha, rho * s.we + alpha * s.wge};
 }
 
-/// What e = a + b g + c g² would save of chi² over e = a + b g.
-double bend_of(const Sums& s) {
+/// What e = a + b g + c g² would save of chi² over e = a + b g, and 1 / (2 |c|).
+struct Bend {
+  double gain = 0;
+  double radius = INFINITY;
+};
+
+Bend bend_of(const Sums& s) {
   const double mean = s.wg / s.w;
   const double second = s.wgg - mean * s.wg;  // about the mean
   const double third = s.wggg - mean * s.wgg;
   const double shear = third / second;  // of g² on g
   const double square_mean = s.wgg / s.w;
   const double spread = s.wgggg - square_mean * s.wgg - shear * third;
-  if (!(spread > 1e-12 * s.wgggg)) return 0;
+  if (!(spread > 1e-12 * s.wgggg)) return {};
   const double by_line = s.wge - mean * s.we;
   const double across = s.wgge - square_mean * s.we - shear * by_line;
-  return across * across / spread;
+  return {across * across / spread, spread / (2 * std::abs(across))};
 }
 
 void turn(Normal& line, const Step& step) {
@@ -149,7 +154,9 @@ std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
       fit.covariance << sums.wgg, -sums.wg, -sums.wg, sums.w;
       fit.covariance /= determinant;
       fit.chi_squared = std::max(0.0, sums.wee - step.gain);
-      fit.bend = bend_of(sums);
+      const Bend bend = bend_of(sums);
+      fit.bend = bend.gain;
+      fit.bend_radius = bend.radius;
       fit.readings = points.size();
       if (biases.count > 0)
         fit.by_bias = bias_sensitivity(points, noise, line, fit.covariance, biases);

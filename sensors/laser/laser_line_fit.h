@@ -18,8 +18,9 @@ struct LaserLineFit {
   Eigen::Matrix<double, 2, range_biases> by_bias =
       Eigen::Matrix<double, 2, range_biases>::Zero();  ///< of (rho, alpha)
   double chi_squared = 0;                              ///< of the readings about it
-  double bend = 0;           ///< chi² that a parabola in place of the line would save
-  std::size_t readings = 0;  ///< two of them are its degrees of freedom
+  double bend = 0;                ///< chi² that a parabola in place of the line would save
+  double bend_radius = INFINITY;  ///< of that parabola's curvature (m)
+  std::size_t readings = 0;       ///< two of them are its degrees of freedom
 
   /// A short line turns about its middle, and rho then changes by -rho (change of alpha)² / 2,
   /// which first order does not see: its mean square (m²). Independent of the covariance.

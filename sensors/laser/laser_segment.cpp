@@ -17,6 +17,12 @@ bool fits(double chi_squared, std::size_t readings, std::size_t parameters,
          chi_squared <= rule.largest_misfit * static_cast<double>(readings - parameters);
 }
 
+/// Whether a run that a line was fitted to may be an arc instead: it is bent, and about as much.
+bool may_be_arc(const LaserLineFit& line, const LaserModelRule& rule) {
+  constexpr double margin = 2;  // a parabola's curvature is not quite a circle's
+  return line.bend > rule.evidence && line.bend_radius < margin * rule.largest_radius;
+}
+
 }  // namespace
 
 std::optional<LaserSegment> fit_laser_segment(std::span<const ScanPoint> scan,
@@ -25,7 +31,7 @@ std::optional<LaserSegment> fit_laser_segment(std::span<const ScanPoint> scan,
                                               const UncertainBiases& biases) {
   const auto points = scan.subspan(run.begin, run.size());
   const auto line = fit_laser_line(points, noise, biases);
-  if (rule.largest_radius > 0 && (!line || line->bend > rule.evidence)) {
+  if (rule.largest_radius > 0 && (!line || may_be_arc(*line, rule))) {
     const auto arc = fit_laser_arc(points, noise, biases);
     if (arc && is_believable(*arc, rule) &&
         (!line || line->chi_squared - arc->chi_squared > rule.evidence) &&
