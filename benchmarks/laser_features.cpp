@@ -127,10 +127,11 @@ void measure_log(const Registry& registry, const std::filesystem::path& folder, 
   }
 }
 
-/// A square room with a saw-toothed wall, seen all round by so many beams.
+/// A square room, seen all round by so many beams.
 void fill_room(std::size_t beams, Output& scan) {
   std::mt19937_64 draw(1);
-  std::normal_distribution<double> noise(0, 0.005);
+  constexpr double range_std = 1e-4;  // beams so near to each other do not pass for breaks then
+  std::normal_distribution<double> noise(0, range_std);
   const auto rows = make_beams(scan, beams);
   for (std::size_t i = 0; i < beams; ++i) {
     const double bearing = -std::numbers::pi + 2 * std::numbers::pi * static_cast<double>(i) /
@@ -139,7 +140,7 @@ void fill_room(std::size_t beams, Output& scan) {
     rows[i] = {bearing, wall + noise(draw)};
   }
   assign<LaserScan>(scan.estimate,
-                    {.range_std = 0.005, .bearing_std = 0, .quantum = 0, .max_range = 80});
+                    {.range_std = range_std, .bearing_std = 0, .quantum = 0, .max_range = 80});
 }
 
 void measure_growth(const Registry& registry) {
