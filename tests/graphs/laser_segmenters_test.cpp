@@ -1,0 +1,83 @@
+// The shipped study of laser segmenters: what the best one finds in rooms that it was not tuned on.
+#include <gtest/gtest.h>
+
+#include "framework/study/set_comparison.h"
+#include "sensors/register.h"
+
+namespace ilss {
+namespace {
+
+/// The study's cases on 200 scans of 40 rooms of a seed of this test alone.
+const std::vector<SetCase>& cases() {
+  static const std::vector<SetCase> made = [] {
+    Registry registry;
+    register_sensors(registry);
+    Diagnostics diagnostics;
+    auto study =
+        read_study(ILSS_SOURCE_DIR "/graphs/laser_segmenters.study.yaml", registry, diagnostics);
+    for (const Diagnostic& d : diagnostics.sorted()) ADD_FAILURE() << format_diagnostic(d);
+    study->runs = 200;
+    study->seed = 7001;
+    return compare_sets(*study);
+  }();
+  return made;
+}
+
+/// In the order of the study's `judge`.
+enum Judged { lines, arcs, corners, edges };
+
+constexpr std::size_t reference = 0;
+constexpr std::size_t first_segmenter = 1;
+constexpr std::size_t triangle_area = 7;
+constexpr std::size_t best = 8;  ///< maximum_likelihood
+
+const ElementScore& score(std::size_t study_case, std::size_t alternative, Judged what) {
+  return cases().at(study_case).alternatives.at(alternative).scores.at(what);
+}
+
+TEST(LaserSegmenters, TheBestFindsTheRoomsLinesArcsAndCorners) {
+  for (const std::size_t i : {0, 1}) {
+    SCOPED_TRACE(cases()[i].name);
+    EXPECT_GE(score(i, best, lines).true_positive(), 0.97);
+    EXPECT_LE(score(i, best, lines).false_positive(), 0.01);
+    EXPECT_GE(score(i, best, arcs).true_positive(), 0.9);
+    EXPECT_LE(score(i, best, arcs).false_positive(), 0.02);
+    EXPECT_GE(score(i, best, corners).true_positive(), 0.9);
+    EXPECT_LE(score(i, best, corners).median_distance, i == 0 ? 0.004 : 0.012);
+  }
+}
+
+TEST(LaserSegmenters, TheBestIsNearlyAsExactAsWithTheTrueSegments) {
+  for (const std::size_t i : {0, 1})
+    for (const Judged what : {lines, arcs})
+      for (const double relative : score(i, best, what).relative_deviation)
+        EXPECT_LE(relative, 1.1) << cases()[i].name << ", " << what;
+}
+
+TEST(LaserSegmenters, WhatTheBestFindsIsAsWrongAsItSays) {
+  for (const Judged what : {lines, arcs, corners, edges})
+    EXPECT_GE(score(0, best, what).inside_95_share(), 0.93) << what;
+}
+
+TEST(LaserSegmenters, WithTheTrueSegmentsErrorsAreAsStated) {
+  for (const Judged what : {lines, arcs, corners}) {
+    const ElementScore& found = score(0, reference, what);
+    EXPECT_TRUE(found.nees_bounds(0.99).contains(found.mean_nees())) << what;
+  }
+}
+
+// Table 1 of Núñez et al. 2009 has .77 (split and merge), .79 (fuzzy), .78 (iterative end-point
+// fit), .93 (curvature scale space), .73 (Hough), .92 (CUBA) and .93 (triangle area).
+TEST(LaserSegmenters, EachFindsMoreLinesThanInThePaper) {
+  const std::vector<double> paper = {0.77, 0.79, 0.78, 0.93, 0.73, 0.92, 0.93};
+  for (std::size_t k = 0; k < paper.size(); ++k)
+    EXPECT_GT(score(0, first_segmenter + k, lines).true_positive(), paper[k]) << k;
+}
+
+TEST(LaserSegmenters, ThoseByCurvatureFindArcsWhole) {
+  for (const std::size_t k : {std::size_t{4}, std::size_t{6}, triangle_area, best})
+    EXPECT_GT(score(0, k, arcs).true_positive(), 0.9) << k;
+}
+
+}  // namespace
+}  // namespace ilss
