@@ -18,7 +18,6 @@
 #include "sensors/laser/laser_correction.h"
 #include "sensors/laser/laser_features.h"
 #include "sensors/laser/laser_log.h"
-#include "sensors/laser/laser_ranging.h"
 #include "sensors/laser/laser_scene.h"
 #include "sensors/laser/laser_scene_features.h"
 #include "sensors/laser/laser_scene_segments.h"
@@ -60,7 +59,6 @@ void register_sensors(Registry& registry) {
   registry.add<LaserCorrection>();
   registry.add<LaserFeatures>();
   registry.add<LaserLog>();
-  registry.add<LaserRanging>();
   registry.add<LaserScene>();
   registry.add<LaserSceneFeatures>();
   registry.add<LaserSceneSegments>();

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "sensors/laser/laser_features.h"
 #include "sensors/range/range_features.h"
 #include "sensors/range/range_scan.h"
 #include "src/set_text.h"
@@ -110,52 +112,104 @@ PictureAxes add_scan(const Output& scan, PictureLayer& layer) {
   return axes;
 }
 
-/// What a node's output looks like, and in which axes.
-std::pair<PictureLayer, PictureAxes> layer_of(const std::string& module, const Output& output) {
+/// What a node's output looks like, in which frame and axes.
+struct DrawnLayer {
+  PictureLayer layer;
+  std::string frame;
+  PictureAxes axes = {};
+};
+
+/// Where a plan's laser_features say that the laser is on the robot; nothing where it has none.
+const PlanNode* find_laser_features(const Plan& plan) {
+  for (const PlanNode& node : plan.nodes)
+    if (node.type->name == LaserFeatures::name) return &node;
+  return nullptr;
+}
+
+/// Whether a later module gives the same scan again, corrected.
+bool is_corrected(const Plan& plan, std::size_t scan) {
+  for (const PlanNode& node : plan.nodes)
+    if (node.interface.output == plan.nodes[scan].interface.output)
+      for (const PlanInput& input : node.inputs)
+        if (input.node == scan) return true;
+  return false;
+}
+
+/// Adds a laser's returns, in the robot's plane where the plan says how the laser is mounted.
+DrawnLayer draw_laser_scan(const Plan& plan, std::size_t node, const Output& scan) {
+  DrawnLayer drawn{{plan.nodes[node].name, samples_text(scan)},
+                   plan.nodes[node].frame,
+                   {.right = "y", .up = "x", .right_sign = -1}};
+  std::array<double, 3> mount{};  // x forward, z to the right, heading to the right
+  if (const PlanNode* features = find_laser_features(plan)) {
+    drawn.frame = features->frame;
+    drawn.axes = {.right = "z", .up = "x"};
+    std::copy_n(features->parameters.value.begin(), mount.size(), mount.begin());
+  }
+  if (is_corrected(plan, node)) return drawn;
+  const Eigen::Vector2d origin(mount[1], mount[0]);
+  const double deviation = noise_of(scan.estimate).range_deviation();
+  std::vector<Eigen::Vector2d> points;
+  for (const LaserBeam& beam : beams_of(scan)) {
+    if (!(beam.range > 0)) continue;
+    const double bearing = mount[2] - beam.bearing;
+    const Eigen::Vector2d along(std::sin(bearing), std::cos(bearing));
+    points.push_back(origin + beam.range * along);
+    drawn.layer.readings.push_back({points.back(), deviation * along});
+  }
+  if (!points.empty())
+    drawn.layer.field = {origin, points.front(), points.back(),
+                         (points.front() - origin).norm() + (points.back() - origin).norm()};
+  return drawn;
+}
+
+DrawnLayer draw(const Plan& plan, std::size_t node, const Output& output) {
+  if (output.estimate.type->name == LaserScan<double>::name)
+    return draw_laser_scan(plan, node, output);
+  const std::string& module = plan.nodes[node].name;
   PictureLayer layer{module, samples_text(output)};
   PictureAxes axes;
   if (output.estimate.type->name == RangeScan<double>::name) {
     axes = add_scan(output, layer);
-    return {std::move(layer), axes};
+    return {std::move(layer), plan.nodes[node].frame, axes};
   }
   if (output.estimate.type->element.empty()) {
     layer.content = output.estimate.type->name;
     axes = add_estimate(output.estimate, layer).value_or(axes);
-    return {std::move(layer), axes};
+    return {std::move(layer), plan.nodes[node].frame, axes};
   }
   layer.content = element_counts_text(output.elements);
   for (const Estimate& element : output.elements)
     axes = add_estimate(element, layer).value_or(axes);
-  return {std::move(layer), axes};
+  return {std::move(layer), plan.nodes[node].frame, axes};
 }
 
 }  // namespace
 
 std::optional<Picture> picture_of(const System& system, double time) {
   const Plan& plan = system.plan();
-  std::vector<std::pair<PictureLayer, PictureAxes>> layers(system.size());
+  std::vector<DrawnLayer> layers(system.size());
   for (std::size_t i = 0; i < system.size(); ++i)
-    if (system.node(i).outcome.has_output())
-      layers[i] = layer_of(plan.nodes[i].name, system.node(i).output);
+    if (system.node(i).outcome.has_output()) layers[i] = draw(plan, i, system.node(i).output);
   std::vector<std::size_t> order = plan.outputs;
   for (std::size_t i = 0; i < system.size(); ++i) order.push_back(i);
   const auto first = std::find_if(order.begin(), order.end(),
-                                  [&](std::size_t i) { return !layers[i].first.empty(); });
+                                  [&](std::size_t i) { return !layers[i].layer.empty(); });
   if (first == order.end()) return std::nullopt;
 
   Picture picture{
       .title = plan.description.empty() ? plan.name : plan.description,
       .subtitle = fmt::format("{}, tick {} at {:.3f} s", plan.name, system.ticks() - 1, time),
-      .frame = plan.nodes[*first].frame,
-      .axes = layers[*first].second};
+      .frame = layers[*first].frame,
+      .axes = layers[*first].axes};
   if (!picture.frame.empty()) picture.subtitle += ", frame " + picture.frame;
   for (std::size_t i = 0; i < system.size(); ++i) {
-    const std::string& frame = plan.nodes[i].frame;
     auto scene = scene_behind(system, i, time);
-    if (scene && frame == picture.frame) picture.scenes.push_back(std::move(*scene));
-    if (layers[i].first.empty()) continue;
+    if (scene && scene->frame == picture.frame) picture.scenes.push_back(std::move(*scene));
+    if (layers[i].layer.empty()) continue;
+    const std::string& frame = layers[i].frame;
     if (frame == picture.frame)
-      picture.layers.push_back(std::move(layers[i].first));
+      picture.layers.push_back(std::move(layers[i].layer));
     else
       picture.left_out.push_back(fmt::format("'{}' is in frame {}, the picture in {}: left out",
                                              plan.nodes[i].name, frame.empty() ? "(none)" : frame,

@@ -23,8 +23,9 @@ struct PictureScene {
   std::vector<Pillar> pillars = {};
 };
 
-/// The scene that a node of the system simulates its readings in, in the frame of its output at
-/// `time` (s); nothing where it simulates none, or its output is not in a plane.
+/// The scene that a node of the system simulates its readings in at `time` (s): in the frame of its
+/// output, a laser's in its robot's; nothing where it simulates none, or its output is not in a
+/// plane.
 std::optional<PictureScene> scene_behind(const System& system, std::size_t node, double time);
 
 }  // namespace ilss

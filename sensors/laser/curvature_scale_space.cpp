@@ -31,7 +31,13 @@ void CurvatureScaleSpace::find_extrema() {
     if (value * factor < options_.corners.angle ||
         value < options_.corners.deviations * contour_.curvature_deviation(k))
       continue;
-    extrema_.push_back(k);
+    const bool is_near =
+        !extrema_.empty() &&
+        static_cast<double>(k - extrema_.back()) * contour_.step() < options_.corners.separation;
+    if (!is_near)
+      extrema_.push_back(k);
+    else if (value > std::abs(curvature_[extrema_.back()]))
+      extrema_.back() = k;
   }
 }
 

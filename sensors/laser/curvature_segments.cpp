@@ -12,6 +12,11 @@ double square_distance(const ScanPoint& a, const ScanPoint& b) {
   return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
 }
 
+/// The weighted squared distances from the mean.
+double scatter(const CurveMoments& moments) {
+  return moments.xx + moments.yy - (moments.x * moments.x + moments.y * moments.y) / moments.w;
+}
+
 }  // namespace
 
 void CornerRule::declare(OptionVisitor& visit) {
@@ -44,12 +49,25 @@ void CurvatureSegments::find_peaks(std::span<const ScanPoint> points, std::span<
   }
 }
 
+bool CurvatureSegments::shows_curvature(const ReadingRun& run, const CurveMoments& moments) const {
+  // The fourth moments of a short run are differences of those of the whole cluster: beyond this,
+  // nothing of them is left.
+  constexpr double precision = 1e-11;
+  const double square = scatter(moments);
+  return run.size() >= 4 && square * square > precision * moments.w * fourth_moment_;
+}
+
 double CurvatureSegments::cost(const ReadingRun& run) const {
   const CurveMoments moments = sums_.of(run.begin, run.end);
-  const double parameter = std::log(static_cast<double>(run.size()));
-  const double line = moments.line_chi_squared() + 2 * parameter;
+  const auto readings = static_cast<double>(run.size());
+  const double parameter = std::log(readings);
+  const double chi_squared = moments.line_chi_squared();
+  // Of a run no longer than the noise, any line is good that runs along the beams.
+  constexpr double clear = 10;  // variances
+  if (scatter(moments) < clear * readings) return std::max(chi_squared, readings) + 2 * parameter;
+  const double line = chi_squared + 2 * parameter;
   // No circle is better than a line that leaves less than another parameter would cost.
-  if (line < 3 * parameter || run.size() < 4) return line;
+  if (line < 3 * parameter || !shows_curvature(run, moments)) return line;
   return std::min(line, moments.circle().chi_squared + 3 * parameter);
 }
 
@@ -57,19 +75,35 @@ double CurvatureSegments::gain(const ReadingRun& before, const ReadingRun& after
   return cost({before.begin, after.end}) - cost(before) - cost(after);
 }
 
+void CurvatureSegments::update_gains() {
+  for (std::size_t k = 0; k < segments_.size(); ++k)
+    if (std::isnan(gains_[k]))
+      gains_[k] = k + 1 < segments_.size() ? gain(segments_[k], segments_[k + 1]) : INFINITY;
+}
+
+bool CurvatureSegments::merges(std::size_t k) const {
+  return gains_[k] <= rule_.evidence && (k == 0 || gains_[k] <= gains_[k - 1]) &&
+         gains_[k] < gains_[k + 1];
+}
+
 void CurvatureSegments::merge() {
-  gains_.clear();
-  for (std::size_t k = 0; k + 1 < segments_.size(); ++k)
-    gains_.push_back(gain(segments_[k], segments_[k + 1]));
-  while (!gains_.empty()) {
-    const auto least = std::min_element(gains_.begin(), gains_.end());
-    if (*least > rule_.evidence) return;
-    const auto k = static_cast<std::size_t>(least - gains_.begin());
-    segments_[k].end = segments_[k + 1].end;
-    segments_.erase(segments_.begin() + static_cast<std::ptrdiff_t>(k) + 1);
-    gains_.erase(least);
-    if (k > 0) gains_[k - 1] = gain(segments_[k - 1], segments_[k]);
-    if (k < gains_.size()) gains_[k] = gain(segments_[k], segments_[k + 1]);
+  gains_.assign(segments_.size(), NAN);
+  // In each round all pairs merge that gain less from being apart than their neighbours do.
+  for (std::size_t before = segments_.size() + 1; segments_.size() < before;) {
+    update_gains();
+    before = segments_.size();
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < before; ++k, ++kept) {
+      const bool is_first_of_two = merges(k);
+      segments_[kept] = segments_[k];
+      gains_[kept] = gains_[k];
+      if (!is_first_of_two) continue;
+      segments_[kept].end = segments_[++k].end;
+      gains_[kept] = NAN;
+      if (kept > 0) gains_[kept - 1] = NAN;
+    }
+    segments_.resize(kept);
+    gains_.resize(kept);
   }
 }
 
@@ -78,7 +112,8 @@ void CurvatureSegments::place_corners() {
     return sums_.of(run.begin, run.end).line_chi_squared();
   };
   const auto arc = [&](const ReadingRun& run) {
-    return run.size() < 4 ? line(run) : sums_.of(run.begin, run.end).circle().chi_squared;
+    const CurveMoments moments = sums_.of(run.begin, run.end);
+    return shows_curvature(run, moments) ? moments.circle().chi_squared : line(run);
   };
   const auto is_arc = [&](const ReadingRun& run) {
     return line(run) - arc(run) > std::log(static_cast<double>(run.size()));
@@ -112,6 +147,7 @@ void CurvatureSegments::segment(std::span<const ScanPoint> points, const LaserNo
   }
   sums_.set(points,
             {noise.range_variance + rule_.roughness * rule_.roughness, noise.bearing_variance});
+  fourth_moment_ = sums_.of(0, points.size()).qq;
   segments_.clear();
   std::size_t begin = 0;
   for (const std::size_t corner : corners) {

@@ -42,18 +42,22 @@ class CurvatureSegments {
  private:
   void find_peaks(std::span<const ScanPoint> points, std::span<const double> turn,
                   std::span<const double> deviation);
+  bool shows_curvature(const ReadingRun& run, const CurveMoments& moments) const;
   /// What a run costs as the line or circle that explains it best.
   double cost(const ReadingRun& run) const;
   /// By how much two neighbours cost less apart than as one.
   double gain(const ReadingRun& before, const ReadingRun& after) const;
+  void update_gains();
+  bool merges(std::size_t k) const;
   void merge();
   void place_corners();
 
   CornerRule rule_;
   CurveMomentSums sums_;
+  double fourth_moment_ = 0;  ///< of the cluster
   std::vector<std::size_t> corners_;
   std::vector<ReadingRun> segments_;
-  std::vector<double> gains_;  ///< of each segment with the next
+  std::vector<double> gains_;  ///< of each segment and the next; NaN: to be found again
 };
 
 }  // namespace ilss

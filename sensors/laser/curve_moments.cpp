@@ -77,9 +77,9 @@ struct Direction {
 /// hardly turns it.
 Direction direction_at(std::span<const ScanPoint> points, std::size_t i, double least_square) {
   constexpr std::size_t least_reach = 3;
-  constexpr std::size_t most_reach = 40;
+  constexpr std::size_t most_reach = 1000;
   Direction direction{};
-  for (std::size_t reach = least_reach; reach <= most_reach; reach += 2) {
+  for (std::size_t reach = least_reach; reach <= most_reach; reach += 1 + reach / 2) {
     const ScanPoint& before = points[i - std::min(i, reach)];
     const ScanPoint& after = points[std::min(points.size() - 1, i + reach)];
     direction = {after.x - before.x, after.y - before.y};

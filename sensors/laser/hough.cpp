@@ -14,6 +14,8 @@ constexpr std::size_t least_neighbours = 5;
 /// Votes on either side that one vote is clustered with, so that long clusters cost as many votes
 /// as they have.
 constexpr std::size_t cluster_reach = 1000;
+/// Votes at more than 45 degrees from a line never belong to it, however little they know.
+constexpr double least_cosine = 0.7;
 constexpr int most_shifts = 20;
 constexpr double shift_tolerance = 1e-4;  // m and rad
 
@@ -72,13 +74,17 @@ Hough::Difference Hough::difference(const Place& line, const Vote& vote) const {
   const double angle = dot < 0 ? -cross : cross;  // a line has two normals
   const double square = (offset * offset * vote.offset_weight + angle * angle * vote.angle_weight) /
                         (options_.bandwidth * options_.bandwidth);
-  return {along, offset, angle, std::abs(dot) < 0.7 ? INFINITY : square};
+  return {along, offset, angle, std::abs(dot) < least_cosine ? INFINITY : square};
 }
 
 Hough::Place Hough::shifted(Place line, std::span<const Vote> votes) const {
   for (int k = 0; k < most_shifts; ++k) {
     // Normal equations of the turn and the offset that bring the line to the votes' mean.
-    double aa = 0, ar = 0, rr = 0, a = 0, r = 0;
+    double aa = 0;
+    double ar = 0;
+    double rr = 0;
+    double a = 0;
+    double r = 0;
     for (const Vote& vote : votes) {
       const Difference seen = difference(line, vote);
       if (seen.square >= 1) continue;
@@ -116,8 +122,14 @@ void Hough::cluster() {
     const std::span<Vote> votes = std::span<Vote>(votes_).subspan(begin, end - begin);
     const Place place = shifted(votes_[start].place, votes);
     votes_[start].line = ++line;
+    const auto belongs = [&](const Vote& vote) {
+      return vote.line == 0 && difference(place, vote).square < 1;
+    };
     for (Vote& vote : votes)
-      if (vote.line == 0 && difference(place, vote).square < 1) vote.line = line;
+      if (belongs(vote)) vote.line = line;
+    // A longer line goes on as far as votes for it do.
+    for (std::size_t k = end; k < votes_.size() && belongs(votes_[k]); ++k) votes_[k].line = line;
+    for (std::size_t k = begin; k-- > 0 && belongs(votes_[k]);) votes_[k].line = line;
   }
 }
 

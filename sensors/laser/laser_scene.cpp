@@ -17,6 +17,7 @@ Interface LaserScene::interface(const Options& options) {
 Outcome<> LaserScene::scan(const Evaluation& evaluation, bool noisy, Output& output) {
   const Outcome<LaserStand> stand = world_.enter(evaluation);
   if (!stand) return stand.fault();
+  stand_ = *stand;
   world_.scan(evaluation, *stand, noisy, make_beams(output, world_.sweep().beams));
   assign<LaserScan>(output.estimate, world_.description(evaluation));
   output.acquired = evaluation.time - world_.sweep().duration;

@@ -46,11 +46,16 @@ class LaserScene final : public Module {
                    Output& output) override;
   void reset() override { world_.reset(); }
 
+  /// The scene of the last tick, and how the laser stood in it; nothing before the first.
+  const Scene* scene() const { return stand_ ? &world_.scene() : nullptr; }
+  const LaserStand& stand() const { return *stand_; }
+
  private:
   Outcome<> scan(const Evaluation& evaluation, bool noisy, Output& output);
 
   Options options_;
   LaserWorld world_;
+  std::optional<LaserStand> stand_;
 };
 
 }  // namespace ilss

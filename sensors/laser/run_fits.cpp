@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sensors/laser/boundary_placement.h"
+
 namespace ilss {
 
 void RunFits::update(std::span<const ScanPoint> points, const LaserNoise& noise) {
@@ -59,6 +61,15 @@ LeastSquaresLine RunFits::line(const ReadingRun& run) const {
                    line.normal_y * line.normal_y * (b.noise_yy - a.noise_yy)) /
                   count;
   return line;
+}
+
+void place_boundaries(const RunFits& fits, std::span<ReadingRun> runs) {
+  const auto cost = [&](const ReadingRun& run) { return fits.line(run).square; };
+  for (std::size_t k = 0; k + 1 < runs.size(); ++k) {
+    if (runs[k].size() < 2 || runs[k + 1].size() < 2) continue;
+    runs[k].end = runs[k + 1].begin =
+        placed_boundary(runs[k], runs[k + 1], boundary_reach, cost, cost);
+  }
 }
 
 }  // namespace ilss

@@ -45,4 +45,8 @@ class RunFits {
   double origin_y_ = 0;
 };
 
+/// Moves each boundary between neighbouring runs to where the squared distances to the lines of the
+/// two sides are least.
+void place_boundaries(const RunFits& fits, std::span<ReadingRun> runs);
+
 }  // namespace ilss

@@ -14,7 +14,7 @@ namespace ilss {
 /// What a segment must have to be believed.
 struct SegmentRule {
   std::int64_t least_readings = 10;
-  double least_length = 0.5;  ///< m, from its first to its last point
+  double least_length = 0.5;  ///< m, between two of its first, middle and last points
   void declare(OptionVisitor& visit);
   bool accepts(std::span<const ScanPoint> segment) const;
 };

@@ -55,6 +55,8 @@ void SmoothedContour::interpolate(std::span<const ScanPoint> points, const Laser
 
 void SmoothedContour::update(std::span<const ScanPoint> points, const LaserNoise& noise) {
   length_.update(points, noise);
+  samples_.clear();
+  if (!std::isfinite(length_.lengths().back())) return;  // nothing to smooth
   step_ = std::max(finest_step_,
                    length_.lengths().back() / (most_steps * static_cast<double>(points.size())));
   average(points);
@@ -66,16 +68,23 @@ void SmoothedContour::set_scale(double scale) {
   const auto reach = static_cast<std::size_t>(std::ceil(kernel_reach * scale / step_));
   first_.resize(reach + 1);
   second_.resize(reach + 1);
-  const double weight = step_ / (std::sqrt(2 * std::numbers::pi) * scale);
+  double slope = 0;
   double sum = 0;
+  double bend = 0;
   for (std::size_t k = 0; k <= reach; ++k) {
-    const double u = static_cast<double>(k) * step_ / scale;
-    const double value = weight * std::exp(-u * u / 2);
-    first_[k] = value * u / scale;
-    second_[k] = value * (u * u - 1) / (scale * scale);
-    sum += k == 0 ? second_[k] : 2 * second_[k];
+    const double length = static_cast<double>(k) * step_;
+    const double u = length / scale;
+    const double value = std::exp(-u * u / 2);
+    first_[k] = value * u;
+    second_[k] = value * (u * u - 1);
+    slope += 2 * first_[k] * length;
+    sum += (k == 0 ? 1 : 2) * second_[k];
+    bend += second_[k] * length * length;
   }
-  second_[0] -= sum;  // a straight contour has none, cut off or not
+  // Sampled and cut off, they still tell a line's slope and a parabola's bend.
+  second_[0] -= sum;
+  for (double& value : first_) value /= slope;
+  for (double& value : second_) value /= bend;
 }
 
 SmoothedContour::Sample SmoothedContour::at(std::ptrdiff_t sample) const {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sensors/laser/boundary_placement.h"
 #include "sensors/laser/iterative_end_point_fit.h"
 
 namespace ilss {
@@ -24,22 +23,18 @@ bool SplitAndMerge::fits(std::span<const ScanPoint> points, const ReadingRun& ru
   return farthest <= limit;
 }
 
-void SplitAndMerge::merge(std::span<const ScanPoint> points, const ReadingRun& run,
-                          std::vector<ReadingRun>& runs, std::size_t first) const {
-  runs.push_back(run);
-  while (runs.size() >= first + 2) {
-    const ReadingRun& last = runs.back();
-    const ReadingRun both{runs[runs.size() - 2].begin, last.end};
+void SplitAndMerge::append_merged(std::span<const ScanPoint> points, const ReadingRun& run) {
+  merged_.push_back(run);
+  while (merged_.size() > 1) {
+    const ReadingRun both{merged_[merged_.size() - 2].begin, run.end};
     if (!fits(points, both)) return;
-    runs.pop_back();
-    runs.back() = both;
+    merged_.pop_back();
+    merged_.back() = both;
   }
 }
 
-void SplitAndMerge::segment(std::span<const ScanPoint> points, const LaserNoise& noise,
-                            std::vector<ReadingRun>& runs) {
-  fits_.update(points, noise);
-  const std::size_t first = runs.size();
+void SplitAndMerge::split(std::span<const ScanPoint> points) {
+  merged_.clear();
   open_.assign(1, {0, points.size()});
   while (!open_.empty()) {
     const ReadingRun run = open_.back();
@@ -47,18 +42,25 @@ void SplitAndMerge::segment(std::span<const ScanPoint> points, const LaserNoise&
     const std::size_t split =
         run.size() < 3 || fits(points, run) ? 0 : farthest_from_chord(points, run, 0);
     if (split == 0) {
-      merge(points, run, runs, first);
+      append_merged(points, run);
       continue;
     }
     open_.push_back({split, run.end});
     open_.push_back({run.begin, split});
   }
-  const auto cost = [&](const ReadingRun& run) { return fits_.line(run).square; };
-  for (std::size_t k = first; k + 1 < runs.size(); ++k) {
-    if (runs[k].size() < 2 || runs[k + 1].size() < 2) continue;
-    runs[k].end = runs[k + 1].begin =
-        placed_boundary(runs[k], runs[k + 1], boundary_reach, cost, cost);
-  }
+}
+
+void SplitAndMerge::segment(std::span<const ScanPoint> points, const LaserNoise& noise,
+                            std::vector<ReadingRun>& runs) {
+  fits_.update(points, noise);
+  split(points);
+  place_boundaries(fits_, merged_);
+  // What a boundary has left may now belong to its neighbour.
+  std::swap(open_, merged_);
+  merged_.clear();
+  for (const ReadingRun& run : open_) append_merged(points, run);
+  if (merged_.size() < open_.size()) place_boundaries(fits_, merged_);
+  runs.insert(runs.end(), merged_.begin(), merged_.end());
 }
 
 }  // namespace ilss

@@ -34,13 +34,15 @@ class SplitAndMerge {
  private:
   /// Whether no point of the run is far from the line of least squares through it.
   bool fits(std::span<const ScanPoint> points, const ReadingRun& run) const;
-  /// Appends a run, merged with those before it, from the first of this cluster on, while one fits.
-  void merge(std::span<const ScanPoint> points, const ReadingRun& run,
-             std::vector<ReadingRun>& runs, std::size_t first) const;
+  /// Splits the whole cluster into runs, merged.
+  void split(std::span<const ScanPoint> points);
+  /// Appends a run to the merged ones, and merges it with those before it while one line fits.
+  void append_merged(std::span<const ScanPoint> points, const ReadingRun& run);
 
   Options options_;
   RunFits fits_;
-  std::vector<ReadingRun> open_;
+  std::vector<ReadingRun> open_;    ///< a stack: the next run to look at is its last
+  std::vector<ReadingRun> merged_;  ///< in order
 };
 
 }  // namespace ilss

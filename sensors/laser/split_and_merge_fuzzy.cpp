@@ -126,6 +126,7 @@ void SplitAndMergeFuzzy::segment(std::span<const ScanPoint> points, const LaserN
     open_.push_back({run.begin, split});
   }
   merge(runs, first);
+  place_boundaries(fits_, std::span(runs).subspan(first));
 }
 
 }  // namespace ilss

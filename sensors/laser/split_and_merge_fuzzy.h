@@ -14,7 +14,8 @@ namespace ilss {
 ///   u_k = (1/d_k²) / (1/d_1² + 1/d_2²), d_k² its squared distance and the noise's variance,
 /// and each line is fitted again with the weights u_k² (fuzzy c-lines, exponent 2). In the merge
 /// phase a line's candidates are its two neighbours, and it is fused with the one of smaller common
-/// dispersion, if one line is enough for both.
+/// dispersion, if one line is enough for both. Boundaries end where the squared distances to both
+/// lines are least.
 /// Kept of the published method: split by dispersion, prototypes by fuzzy clustering, fusion by
 /// least dispersion. Not kept: fuzzy clusters need not be runs, here they must; the split is where
 /// the memberships of all readings on either side sum up to most. Hence the two closest lines are

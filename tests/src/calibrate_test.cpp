@@ -232,5 +232,53 @@ TEST(CalibrateLepNoise, FindsTheNoiseCurrentOfThePapersTable) {
             std::string::npos);
 }
 
+/// Ranges of a laser that tells them 1 % too long, every fifth of a metre.
+std::string ranges_csv(const std::string& measured_unit = "m") {
+  std::ostringstream text;
+  text << "true [m],measured [" << measured_unit << "],range_std [mm]\n";
+  for (int i = 2; i < 40; ++i)
+    text << 0.2 * i << "," << 0.202 * i + (i % 2 == 0 ? 0.003 : -0.003) << ",5\n";
+  return csv(text.str());
+}
+
+TEST(CalibrateLaser, WritesConstantsThatLaserCorrectionTakes) {
+  const std::string constants = test_file("laser.yaml").string();
+  const Heard heard =
+      call_command("calibrate laser " + ranges_csv() + " --order 1 --json --output " + constants);
+  ASSERT_EQ(heard.status, 0) << heard.errors;
+  const Json json = Json::parse(heard.output);
+  EXPECT_NEAR(json["parameters"][1]["value"].get<double>() / json["bias_range"].get<double>(),
+              0.01 / 1.01, 1e-3);
+  const auto graph = test_file("graph.yaml");
+  std::ofstream(graph) << "ilss: corrected\nconstants: {laser: {file: " << constants
+                       << "}}\nmodules:\n  room: {type: laser_scene}\n"
+                          "  correction: {type: laser_correction, bias_0: $laser.bias_0, bias_1: "
+                          "$laser.bias_1, bias_range: $laser.bias_range}\n"
+                          "network: {serial: [room, correction]}\n";
+  const Heard run = call_command("run " + graph.string() + " --ticks 1 --json");
+  ASSERT_EQ(run.status, 0) << run.errors;
+  const Json scan = Json::parse(run.output)["output"];
+  EXPECT_EQ(scan["components"][4]["name"], "bias_0");
+  EXPECT_NEAR(scan["components"][4]["std"].get<double>(),
+              json["parameters"][0]["std"].get<double>(), 1e-9);
+}
+
+TEST(CalibrateLaser, APolynomialThatDoesNotFitIsNotWritten) {
+  const std::string constants = test_file("laser.yaml").string();
+  const Heard heard =
+      call_command("calibrate laser " + ranges_csv() + " --order 0 --output " + constants);
+  EXPECT_EQ(heard.status, 1);
+  EXPECT_NE(heard.errors.find("does not fit"), std::string::npos) << heard.errors;
+  EXPECT_FALSE(std::filesystem::exists(constants));
+}
+
+TEST(CalibrateLaser, BadInputIsTwo) {
+  EXPECT_EQ(call_command("calibrate laser /no/such/file.csv").status, 2);
+  const Heard unit = call_command("calibrate laser " + ranges_csv("deg"));
+  EXPECT_EQ(unit.status, 2);
+  EXPECT_NE(unit.errors.find("measured"), std::string::npos) << unit.errors;
+  EXPECT_EQ(call_command("calibrate laser " + csv("true [m],measured [m]\n1,1\n2,2\n")).status, 2);
+}
+
 }  // namespace
 }  // namespace ilss

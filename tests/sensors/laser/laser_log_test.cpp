@@ -7,7 +7,6 @@
 #include <fstream>
 #include <string>
 
-#include "sensors/laser/laser_ranging.h"
 #include "tests/sensors/module_run.h"
 
 namespace ilss {
@@ -104,75 +103,6 @@ TEST(LaserLog, FilesWithoutScansAreDeviceLost) {
     EXPECT_EQ(fault_of(result.outcome), "device_lost") << path;
     EXPECT_NE(result.outcome.fault().message.find(path.string()), std::string::npos) << path;
   }
-}
-
-Output scan_of(std::vector<LaserBeam> beams) {
-  Output scan = output_of<LaserScan>({0.01, 0, 0.012, 80});
-  const auto rows = make_beams(scan, beams.size());
-  std::copy(beams.begin(), beams.end(), rows.begin());
-  return scan;
-}
-
-TEST(LaserRanging, TurnsBeamsToTheLeftIntoTheRobotsPlane) {
-  const Output scan = scan_of({{-0.5, 2}, {0, 0}, {0.5, 4}});
-  LaserRanging ranging({});
-  Tick tick{.parameters = Estimate(descriptor<LaserRanging::Parameters>()), .inputs = {&scan}};
-  tick.parameters.value = {0, 1, 0.1, 0.2, 0.3};
-  const ModuleRun result = run(ranging, tick);
-  ASSERT_TRUE(result.outcome);
-  const auto readings = readings_of(result.output);
-  ASSERT_EQ(readings.size(), 2U) << "the beam without return is left out";
-  EXPECT_DOUBLE_EQ(readings[0].bearing, 0.8) << "bearings count to the right in the robot's plane";
-  EXPECT_DOUBLE_EQ(readings[1].bearing, -0.2);
-  EXPECT_DOUBLE_EQ(readings[1].inverse_range, 0.25);
-  EXPECT_DOUBLE_EQ(readings[1].origin_z, 0.2);
-  // sd of the range: noise and the quantum's q²/12.
-  EXPECT_NEAR(readings[1].deviation, std::hypot(0.01, 0.012 / std::sqrt(12)) / 16, 1e-15);
-}
-
-TEST(LaserRanging, OffsetAndScaleAreSystematic) {
-  const Output scan = scan_of({{-0.5, 2}, {0.5, 4}});
-  LaserRanging ranging({});
-  Tick tick{.parameters = Estimate(descriptor<LaserRanging::Parameters>()), .inputs = {&scan}};
-  tick.parameters.value = {0.02, 1.01, 0, 0, 0};
-  const auto inverse_ranges = [&](double offset, double scale) {
-    Tick moved = tick;
-    moved.parameters.value[0] = offset;
-    moved.parameters.value[1] = scale;
-    std::vector<double> result;
-    const ModuleRun one = run(ranging, moved);
-    for (const RangeReading& r : readings_of(one.output)) result.push_back(r.inverse_range);
-    return result;
-  };
-  tick.parameters.lineage.add({9, 0, persistent_tick}, 0, 0.005);
-  tick.parameters.lineage.add({9, 1, persistent_tick}, 1, 0.001);
-  const ModuleRun result = run(ranging, tick);
-  ASSERT_TRUE(result.outcome);
-  const Lineage& lineage = result.output.estimate.lineage;
-  ASSERT_EQ(lineage.size(), 2U);
-  constexpr double step = 1e-6;
-  const auto by_offset_plus = inverse_ranges(0.02 + step, 1.01);
-  const auto by_offset_minus = inverse_ranges(0.02 - step, 1.01);
-  const auto by_scale_plus = inverse_ranges(0.02, 1.01 + step);
-  const auto by_scale_minus = inverse_ranges(0.02, 1.01 - step);
-  for (std::size_t i = 0; i < 2; ++i) {
-    const RangeReading& r = readings_of(result.output)[i];
-    const double by_source_0 = r.sensitivity[0] * lineage.column(0)[3];
-    const double by_source_1 = r.sensitivity[1] * lineage.column(1)[4];
-    EXPECT_NEAR(by_source_0, (by_offset_plus[i] - by_offset_minus[i]) / (2 * step) * 0.005, 1e-9);
-    EXPECT_NEAR(by_source_1, (by_scale_plus[i] - by_scale_minus[i]) / (2 * step) * 0.001, 1e-9);
-  }
-}
-
-TEST(LaserRanging, WantsAnErrorAndAReturn) {
-  LaserRanging ranging({});
-  const Output nothing = scan_of({{0, 0}, {0.1, 0}});
-  Tick tick{.parameters = Estimate(descriptor<LaserRanging::Parameters>()), .inputs = {&nothing}};
-  EXPECT_EQ(fault_of(run(ranging, tick).outcome), "no_detection");
-  Output exact = scan_of({{0, 1}, {0.1, 1}});
-  exact.estimate.value[0] = exact.estimate.value[2] = 0;
-  tick.inputs = {&exact};
-  EXPECT_EQ(fault_of(run(ranging, tick).outcome), "no_error_known");
 }
 
 }  // namespace
