@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "sensors/laser/laser_scene_features.h"
@@ -109,21 +110,34 @@ TEST(LaserScene, GivesTheSameScansAgainAfterAReset) {
 TEST(LaserSceneFeatures, AreTheSceneSeenFromTheRobot) {
   LaserSceneFeatures truth({.world = scene_options(corner_and_box())});
   const Output output = output_of_module(truth, tick_at({}));
-  EXPECT_EQ(output.estimate.value[0], 4);
   const auto lines = elements_of(output, "line_segment");
   ASSERT_EQ(lines.size(), 4u);  // the far wall shows on both sides of the box
+  EXPECT_EQ(output.estimate.value[0], 4);
   const auto right = payload_of<LineSegment>(*lines[0]);
   EXPECT_NEAR(right.rho, 3, 1e-12);
   EXPECT_NEAR(right.phi, 90 * degree, 1e-12);
-  EXPECT_EQ(right.first_reading, 0);
   EXPECT_NEAR(right.start_z, 3, 1e-12);
   const auto ahead = payload_of<LineSegment>(*lines[1]);
   EXPECT_NEAR(ahead.rho, 4, 1e-12);
   EXPECT_NEAR(ahead.phi, 0, 1e-12);
+}
+
+TEST(LaserSceneFeatures, SayWhichReadingsTheyWereMadeOf) {
+  LaserSceneFeatures truth({.world = scene_options(corner_and_box())});
+  const Output output = output_of_module(truth, tick_at({}));
+  const auto right = payload_of<LineSegment>(*elements_of(output, "line_segment").at(0));
+  const auto ahead = payload_of<LineSegment>(*elements_of(output, "line_segment").at(1));
+  EXPECT_EQ(right.first_reading, 0);
   EXPECT_EQ(ahead.first_reading, right.last_reading + 1);
   EXPECT_EQ(ahead.readings, ahead.last_reading - ahead.first_reading + 1);
   const double first_bearing = LaserSweep{}.bearing(static_cast<std::size_t>(ahead.first_reading));
   EXPECT_NEAR(ahead.start_z, -4 * std::tan(first_bearing), 1e-12);
+}
+
+TEST(LaserSceneFeatures, AreExactInTheRobotsFrame) {
+  LaserSceneFeatures truth({.world = scene_options(corner_and_box())});
+  const Output output = output_of_module(truth, tick_at({}));
+  ASSERT_FALSE(output.elements.empty());
   for (const Estimate& element : output.elements) {
     EXPECT_TRUE(element.lineage.empty());
     EXPECT_EQ(element.frame, "robot");
@@ -176,6 +190,42 @@ TEST(LaserSceneFeatures, WhatIsTooSmallToCountIsAskedForApart) {
   const auto lines = elements_of(pieces, "line_segment");
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_NEAR(payload_of<LineSegment>(*lines[0]).rho, 2, 1e-12);
+}
+
+TEST(LaserSceneFeatures, EndOfACountedLineAtAHardlyVisibleWallIsCornerAndEdgeApart) {
+  Scene scene;
+  // A box's front, 2 m ahead, and its side, of which a sliver shows; behind it a far wall.
+  scene.walls = {wall({2, -1}, {2, 1}), wall({2, 1}, {2.1, 1.02}), wall({5, -9}, {5, 9})};
+  LaserSceneFeatures counted({.world = scene_options(scene)});
+  LaserSceneFeatures small({.world = scene_options(scene), .pieces = CountedPieces::small});
+  const Tick tick = tick_at({0, 2, 0});
+  EXPECT_EQ(elements_of(output_of_module(counted, tick), "corner").size(), 0u);
+  const Output apart = output_of_module(small, tick);
+  ASSERT_EQ(elements_of(apart, "corner").size(), 1u);
+  EXPECT_NEAR(elements_of(apart, "corner")[0]->value[0], 2, 1e-12);
+  EXPECT_NEAR(elements_of(apart, "corner")[0]->value[1], -1, 1e-12);
+  const auto edges = elements_of(apart, "edge");
+  ASSERT_EQ(edges.size(), 2u);  // of the sliver, and of the front
+  EXPECT_TRUE(std::any_of(edges.begin(), edges.end(), [](const Estimate* edge) {
+    return std::hypot(edge->value[0] - 2, edge->value[1] + 1) < 1e-12;
+  }));
+}
+
+TEST(LaserSceneFeatures, OfADrivingRobotAreThoseFromWhereTheSweepEnds) {
+  LaserWorldOptions world = scene_options(corner_and_box());
+  world.speed = 1;
+  world.sweep_time = 0.1;
+  Tick tick = tick_at({-1, 0, 0}, 10);  // at 1 s
+  tick.parameters.value[0] = tick.parameters.value[1] = 0;
+  LaserSceneFeatures truth({.world = world});
+  const Output features = output_of_module(truth, tick);
+  EXPECT_NEAR(payload_of<LineSegment>(*elements_of(features, "line_segment").at(1)).rho, 4, 1e-12);
+  LaserScene laser({.world = world});
+  const Output scan = output_of_module(laser, tick);
+  EXPECT_NEAR(scan.acquired, 0.9, 1e-12);
+  const LaserBeam& middle = beams_of(scan)[185];
+  const double moved = 0.1 * (1 - 185.0 / 359);
+  EXPECT_NEAR(middle.range, (4 + moved) / std::cos(middle.bearing), 1e-9);
 }
 
 TEST(LaserSceneFeatures, AreThoseOfTheScanOfTheSameSeedThroughAllTicks) {
