@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace ilss {
@@ -44,7 +45,7 @@ void CurvatureScaleSpace::find_extrema() {
 std::size_t CurvatureScaleSpace::followed(std::size_t sample, double scale) const {
   const auto reach = static_cast<std::size_t>(std::ceil(scale / contour_.step()));
   const double sign = std::copysign(1.0, curvature_[sample]);
-  double most = -INFINITY;
+  double most = -std::numeric_limits<double>::infinity();
   std::size_t best = sample;
   const std::size_t first = sample - std::min(sample, reach);
   const std::size_t last = std::min(sample + reach, contour_.size() - 1);
