@@ -9,28 +9,57 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 
-/// What a reading says of a circle (x, y, R > 0).
+/// A circle about (x, y) of which the laser sees the near side, or the far one where it is hollow.
+struct Circle {
+  Vector3 parameters;  ///< x, y, radius > 0 (m)
+  bool bulges;
+};
+
+/// What a reading says of a circle.
 struct ArcResidual {
   double value;
   double weight;
-  Vector3 by_circle;  ///< of the value
+  Vector3 by_circle;  ///< of the value, by x, y and radius
   double by_range;    ///< of the value
 };
 
-ArcResidual residual_of(const ScanPoint& p, const Vector3& circle, const LaserNoise& noise) {
-  const double dx = p.x - circle.x();
-  const double dy = p.y - circle.y();
-  const double distance = std::sqrt(dx * dx + dy * dy);
-  const double nx = dx / distance;
-  const double ny = dy / distance;
+/// The residual across the circle at a point with normal (nx, ny), at `distance` from the centre.
+ArcResidual residual_at(double nx, double ny, double distance, const ScanPoint& p,
+                        const Circle& circle, const LaserNoise& noise) {
+  const double radius = circle.parameters.z();
   const double along = nx * p.cosine + ny * p.sine;
   const double share = along * along;
   const double by_bearing = p.range * p.range * noise.bearing_variance;
   const double across = noise.range_variance * (1 - share) + by_bearing * share;
-  const double longer = across / (2 * circle.z());  // mean of what the noise across adds
+  const double longer = across / (2 * radius);  // mean of what the noise across adds
   const double variance =
       noise.range_variance * share + by_bearing * (1 - share) + 2 * longer * longer;
-  return {distance - circle.z() - longer, 1 / variance, {-nx, -ny, -1}, along};
+  return {distance - radius - longer, 1 / variance, {-nx, -ny, -1}, along};
+}
+
+ArcResidual residual_of(const ScanPoint& p, const Circle& circle, const LaserNoise& noise) {
+  const Vector3& c = circle.parameters;
+  const double radius = c.z();
+  const double across = c.x() * p.sine - c.y() * p.cosine;
+  const double half = radius * radius - across * across;
+  constexpr double grazing = 0.05;  // of the squared radius
+  if (half > grazing * radius * radius) {
+    // Where the beam meets the circle: then the normal has no part in the reading's noise.
+    const double along = c.x() * p.cosine + c.y() * p.sine;
+    const double root = circle.bulges ? -std::sqrt(half) : std::sqrt(half);
+    const double range = along + root;
+    const double nx = (range * p.cosine - c.x()) / radius;
+    const double ny = (range * p.sine - c.y()) / radius;
+    const double incidence = root / radius;
+    const double share = incidence * incidence;
+    const double variance =
+        noise.range_variance * share + range * range * noise.bearing_variance * (1 - share);
+    return {(p.range - range) * incidence, 1 / variance, {-nx, -ny, -1}, incidence};
+  }
+  const double dx = p.x - c.x();
+  const double dy = p.y - c.y();
+  const double distance = std::sqrt(dx * dx + dy * dy);
+  return residual_at(dx / distance, dy / distance, distance, p, circle, noise);
 }
 
 struct Normals {
@@ -39,7 +68,7 @@ struct Normals {
   double chi_squared = 0;
 };
 
-Normals accumulate(std::span<const ScanPoint> points, const Vector3& circle,
+Normals accumulate(std::span<const ScanPoint> points, const Circle& circle,
                    const LaserNoise& noise) {
   double xx = 0, xy = 0, x1 = 0, yy = 0, y1 = 0, one = 0, xe = 0, ye = 0, e1 = 0, ee = 0;
   for (const ScanPoint& p : points) {
@@ -109,7 +138,7 @@ std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, cons
   if (points.size() < 4) return std::nullopt;
   const auto start = algebraic_circle(points);
   if (!start) return std::nullopt;
-  Vector3 circle = *start;
+  Circle circle{*start, bulges(points, *start)};
   Normals normals = accumulate(points, circle, noise);
   double damping = 1e-3;
   constexpr int most_steps = 30;
@@ -119,10 +148,10 @@ std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, cons
     Matrix3 damped = normals.information;
     damped.diagonal() *= 1 + damping;
     const Vector3 step = damped.llt().solve(-normals.gradient);
-    const Vector3 next = circle + step;
+    const Circle next{circle.parameters + step, circle.bulges};
     if (!step.allFinite()) return std::nullopt;
-    const Normals at_next =
-        next.z() > 0 ? accumulate(points, next, noise) : Normals{.chi_squared = INFINITY};
+    const Normals at_next = next.parameters.z() > 0 ? accumulate(points, next, noise)
+                                                    : Normals{.chi_squared = INFINITY};
     // The weights change with the circle, so chi² may rise a little although the step is right.
     if (at_next.chi_squared <= normals.chi_squared + settled) {
       is_settled = std::abs(step.dot(normals.gradient)) < settled;
@@ -130,6 +159,8 @@ std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, cons
       normals = at_next;
       damping *= 0.1;
     } else {
+      // Where a beam begins to graze, chi² has a step, on whose edge the best circle may lie.
+      is_settled = std::abs(step.dot(normals.gradient)) < 100 * settled;
       damping = std::max(1e-3, damping * 10);
       if (damping > 1e6) return std::nullopt;
     }
@@ -137,11 +168,11 @@ std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, cons
   const Eigen::LLT<Matrix3> factor(normals.information);
   if (!is_settled || factor.info() != Eigen::Success) return std::nullopt;
   LaserArcFit fit;
-  const double sign = bulges(points, circle) ? 1 : -1;
+  const double sign = circle.bulges ? 1 : -1;
   const Vector3 signs(1, 1, sign);
-  fit.x = circle.x();
-  fit.y = circle.y();
-  fit.radius = sign * circle.z();
+  fit.x = circle.parameters.x();
+  fit.y = circle.parameters.y();
+  fit.radius = sign * circle.parameters.z();
   fit.covariance =
       signs.asDiagonal() * factor.solve(Matrix3::Identity()).eval() * signs.asDiagonal();
   fit.chi_squared = normals.chi_squared;
@@ -159,7 +190,8 @@ std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, cons
 }
 
 double squared_residual(const LaserArcFit& arc, const ScanPoint& p, const LaserNoise& noise) {
-  const ArcResidual r = residual_of(p, {arc.x, arc.y, std::abs(arc.radius)}, noise);
+  const ArcResidual r =
+      residual_of(p, {{arc.x, arc.y, std::abs(arc.radius)}, arc.radius > 0}, noise);
   return r.value * r.value * r.weight;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 #include <span>
 
@@ -19,14 +20,22 @@ struct LaserArcFit {
       Eigen::Matrix<double, 3, range_biases>::Zero();  ///< of (x, y, radius)
   double chi_squared = 0;
   std::size_t readings = 0;  ///< three of them are its degrees of freedom
+
+  /// What the readings tell nearly linearly is the curvature, so that the radius, and the centre
+  /// with it, also change by its error squared: (x, y, radius) by the root of that one's mean
+  /// square (m). Independent of the covariance.
+  Eigen::Vector3d second_order() const {
+    return std::sqrt(3.0) / std::abs(radius) * covariance.col(2);
+  }
 };
 
 /// The circle that makes the readings most likely (Núñez et al. 2009, sec. 3.2: the distances from
-/// the circle, each weighted by its reading's uncertainty ellipse there):
-///   e_i = |p_i - c| - |radius| - t_i² / (2 |radius|),
-/// where n is the circle's normal at the point, s_i² = sigma_r² (n·d)² + r_i² sigma_phi² (n×d)² the
-/// variance along it and t_i² the variance across it, which on a curve lengthens the distance (and
-/// adds t_i⁴ / (2 radius²) to s_i², all there is where a beam without bearing noise grazes). By
+/// the circle, each weighted by its reading's uncertainty ellipse there). With n the circle's
+/// normal where beam d meets it at range R_i,
+///   e_i = (r_i - R_i) (n·d),  s_i² = sigma_r² (n·d)² + R_i² sigma_phi² (n×d)²,
+/// so that normal and weight have no part in the reading's noise. Beams that graze or pass the
+/// circle (the last 2.5 % of its radius) are taken by their points p_i, |p_i - c| - |radius|, less
+/// t_i² / (2 |radius|), by which the variance t_i² across the normal lengthens the distance. By
 /// Levenberg-Marquardt from the algebraic circle of the points; full 3x3 covariance. `biases` as
 /// for a line. Nothing where fewer than four readings are given, they lie on a line or the
 /// iteration does not settle.

@@ -29,6 +29,15 @@ Outcome<> check(std::span<const CalibrationRange> ranges, int order) {
   return {};
 }
 
+/// How much of a measured range's noise is left when it is corrected by its polynomial.
+double noise_left(const LaserCalibration& calibration, double measured) {
+  const double share = measured / calibration.reference;
+  double slope = 0;
+  for (std::size_t k = calibration.bias.size() - 1; k > 0; --k)
+    slope = slope * share + static_cast<double>(k) * calibration.bias[k];
+  return 1 - slope / calibration.reference;
+}
+
 /// What the polynomial leaves of each range.
 void judge(std::span<const CalibrationRange> ranges, LaserCalibration& calibration) {
   double squares = 0;
@@ -40,14 +49,45 @@ void judge(std::span<const CalibrationRange> ranges, LaserCalibration& calibrati
         error - range_bias(calibration.bias, r.measured / calibration.reference);
     squares += residual * residual;
     before += error * error;
-    if (r.deviation > 0)
-      calibration.chi_squared += residual * residual / (r.deviation * r.deviation);
+    const double deviation = r.deviation * noise_left(calibration, r.measured);
+    if (deviation > 0) calibration.chi_squared += residual * residual / (deviation * deviation);
     if (std::abs(residual) <= std::abs(calibration.largest)) continue;
     calibration.largest = residual;
     calibration.largest_at = i;
   }
   calibration.range_std = std::sqrt(squares / calibration.degrees_of_freedom());
   calibration.uncorrected = std::sqrt(before / static_cast<double>(ranges.size()));
+}
+
+/// Weighted least squares of the coefficients, with the weights that the coefficients so far leave;
+/// false where the ranges do not determine them. Leaves the covariance for noise of 1 m where none
+/// is stated.
+bool fit(std::span<const CalibrationRange> ranges, LaserCalibration& calibration) {
+  const auto rows = static_cast<Eigen::Index>(ranges.size());
+  const Eigen::Index columns = calibration.order + 1;
+  Eigen::MatrixXd powers(rows, columns);
+  Eigen::VectorXd errors(rows);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const CalibrationRange& r = ranges[static_cast<std::size_t>(i)];
+    const double deviation =
+        (r.deviation > 0 ? r.deviation : 1) * noise_left(calibration, r.measured);
+    double weighted = 1 / deviation;
+    errors[i] = weighted * (r.measured - r.truth);
+    for (Eigen::Index k = 0; k < columns; ++k, weighted *= r.measured / calibration.reference)
+      powers(i, k) = weighted;
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(powers);
+  if (!powers.allFinite() || qr.rank() < columns) return false;
+  const Eigen::VectorXd bias = qr.solve(errors);
+  std::copy(bias.begin(), bias.end(), calibration.bias.begin());
+  // (AᵀA)⁻¹ by the factors of A = Q R Pᵀ.
+  const Eigen::MatrixXd triangle =
+      qr.matrixR().topRows(columns).triangularView<Eigen::Upper>().toDenseMatrix();
+  const Eigen::MatrixXd inverse =
+      triangle.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(columns, columns));
+  const Eigen::MatrixXd factor = qr.colsPermutation() * inverse;
+  calibration.covariance.topLeftCorner(columns, columns) = factor * factor.transpose();
+  return true;
 }
 
 }  // namespace
@@ -63,35 +103,16 @@ Outcome<LaserCalibration> calibrate_laser(std::span<const CalibrationRange> rang
                           [](const auto& a, const auto& b) { return a.measured < b.measured; });
   calibration.reference = most->measured;
   calibration.least_range = least->measured;
-  const auto rows = static_cast<Eigen::Index>(ranges.size());
-  const Eigen::Index columns = order + 1;
-  Eigen::MatrixXd powers(rows, columns);
-  Eigen::VectorXd errors(rows);
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    const CalibrationRange& r = ranges[static_cast<std::size_t>(i)];
-    double weighted = r.deviation > 0 ? 1 / r.deviation : 1;
-    errors[i] = weighted * (r.measured - r.truth);
-    for (Eigen::Index k = 0; k < columns; ++k, weighted *= r.measured / calibration.reference)
-      powers(i, k) = weighted;
-  }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(powers);
-  if (qr.rank() < columns)
-    return Fault{FaultKind::degenerate,
-                 fmt::format("the ranges do not determine a polynomial of order {}: they need to "
-                             "differ more",
-                             order)};
-  const Eigen::VectorXd bias = qr.solve(errors);
-  std::copy(bias.begin(), bias.end(), calibration.bias.begin());
+  // The second time with what the correction leaves of the noise.
+  for (int pass = 0; pass < 2; ++pass)
+    if (!fit(ranges, calibration))
+      return Fault{FaultKind::degenerate,
+                   fmt::format("the ranges do not determine a polynomial of order {}: they need to "
+                               "differ more",
+                               order)};
   judge(ranges, calibration);
-  // (AᵀA)⁻¹ by the factors of A = Q R Pᵀ.
-  const Eigen::MatrixXd triangle =
-      qr.matrixR().topRows(columns).triangularView<Eigen::Upper>().toDenseMatrix();
-  const Eigen::MatrixXd inverse =
-      triangle.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(columns, columns));
-  const Eigen::MatrixXd factor = qr.colsPermutation() * inverse;
-  const double scale = calibration.noise_is_stated ? 1 : calibration.range_std;
-  calibration.covariance.topLeftCorner(columns, columns) =
-      scale * scale * factor * factor.transpose();
+  if (!calibration.noise_is_stated)
+    calibration.covariance *= calibration.range_std * calibration.range_std;
   return calibration;
 }
 

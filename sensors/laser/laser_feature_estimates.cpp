@@ -9,7 +9,7 @@
 namespace ilss {
 namespace {
 
-/// The sources that belong to a segment: its fit's noise, where its ends lie, what a line's rho
+/// The sources that belong to a segment: its fit's noise, where its ends lie, what it
 /// departs from first order, and where within a step an edge lies at either end.
 constexpr std::uint32_t columns_of_segment = 8;
 constexpr std::uint32_t column_of_start = 3;
@@ -240,6 +240,8 @@ void LaserFeatureWriter::add_arc(std::size_t index, const LaserSegment& segment,
   for (int k = 0; k < 3; ++k)
     element.lineage.add(source(index, static_cast<std::uint32_t>(k)),
                         column_of<rows>(columns.col(k)));
+  const Eigen::Matrix<double, rows, 1> second_order = feature.by_fit * arc.second_order();
+  element.lineage.add(source(index, column_of_second_order), column_of<rows>(second_order));
   for (int i = 0; i < 2; ++i) {
     Eigen::Matrix<double, rows, 1> column = Eigen::Matrix<double, rows, 1>::Zero();
     column.template segment<2>(3 + 2 * i) = by_noise[static_cast<std::size_t>(i)];

@@ -22,7 +22,7 @@ class MaximumLikelihoodSegments {
 
   struct Options {
     double line_cost = 25;
-    double arc_cost = 40;
+    double arc_cost = 45;
     double outlier_cost = 12;
     double least_radius = 0.1;
     double largest_radius = 3;

@@ -71,7 +71,9 @@ double mean_nees(const LaserDevice& device, const Draw& draw_scan) {
     if (!fit) return NAN;
     const Eigen::Vector3d error(fit->x - scan.circle.x, fit->y - scan.circle.y,
                                 fit->radius - scan.circle.radius);
-    sum += error.dot(fit->covariance.inverse() * error);
+    const Eigen::Matrix3d covariance =
+        fit->covariance + fit->second_order() * fit->second_order().transpose();
+    sum += error.dot(covariance.inverse() * error);
   }
   return sum / runs;
 }

@@ -91,7 +91,9 @@ NormalizedError difference_of(const LaserLineFit& a, const LaserLineFit& b) {
 
 NormalizedError difference_of(const LaserArcFit& a, const LaserArcFit& b) {
   return normalized_squared_error(Eigen::Vector3d(a.x - b.x, a.y - b.y, a.radius - b.radius),
-                                  a.covariance + b.covariance);
+                                  a.covariance + b.covariance +
+                                      a.second_order() * a.second_order().transpose() +
+                                      b.second_order() * b.second_order().transpose());
 }
 
 /// Fits the odd and the even ones of every `stride`-th beam of each feature apart, and judges how
