@@ -302,6 +302,13 @@ void report_waiting(const Commander& commander) {
                commander.waiting() == 1 ? "" : "s");
 }
 
+/// What the modules have to say of their data.
+void report_notes(const System& system) {
+  for (std::size_t i = 0; i < system.size(); ++i)
+    if (const std::string note = system.note(i); !note.empty())
+      fmt::print(stderr, "ilss: '{}': {}\n", system.plan().nodes[i].name, note);
+}
+
 double read_period(const std::string& text) {
   const auto period = parse_quantity(text, "s");
   if (const auto* error = std::get_if<std::string>(&period))
@@ -399,6 +406,7 @@ int run(const Arguments& arguments, Session& session) {
       const NodeState& state = runner.system().node(*lost);
       fmt::print(stderr, "ilss: the run cannot go on: '{}': {}\n",
                  plan.nodes[state.origin.value_or(*lost)].name, state.outcome.fault().message);
+      report_notes(runner.system());
       return exit_failed;
     }
   }
@@ -409,6 +417,7 @@ int run(const Arguments& arguments, Session& session) {
                "ilss: stopped after {}; --ticks N goes on, --ticks 0 to the end of the data\n",
                ticks_text(tick));
   report_waiting(runner.commander());
+  report_notes(runner.system());
   if (!arguments.json) {
     fmt::print("\n{}{}\n", ticks_text(tick), ended ? ", to the end of the data" : "");
     if (const std::uint64_t refused = runner.commander().refused(); refused != 0)
