@@ -1,15 +1,13 @@
 // `ilss calibrate`: fits a sensor's model to measurements of known things.
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 
 #include "framework/graph/quantity_reader.h"
 #include "sensors/lep/lep_detector.h"
 #include "src/calibration_report.h"
 #include "src/calibration_table.h"
+#include "src/output_file.h"
 #include "src/session.h"
 
 namespace ilss {
@@ -66,21 +64,11 @@ double read_detector_length(const NoiseArguments& arguments, Diagnostics& diagno
   throw Exit{exit_bad_input};
 }
 
-/// Writes the file whole or not at all; through a symbolic link into what it names.
 void write_file(const std::string& output, const std::string& text) {
   if (output.empty()) return;
-  std::error_code ignored;
-  const std::string path = std::filesystem::weakly_canonical(output, ignored).string();
-  const std::string partial = path + ".partial";
-  std::ofstream stream(partial, std::ios::binary);
-  stream << text;
-  stream.close();
-  std::error_code error;
-  if (stream) std::filesystem::rename(partial, path, error);
-  if (stream && !error) return;
-  const std::string reason = error ? error.message() : std::strerror(errno);
-  std::filesystem::remove(partial, error);
-  fail(exit_failed, fmt::format("cannot write '{}': {}", path, reason));
+  OutputFile file(output);
+  file.stream() << text;
+  file.commit();
 }
 
 void calibrate_noise(const NoiseArguments& arguments) {
