@@ -30,6 +30,7 @@
 #include "sensors/lep/lep_sensor.h"
 #include "sensors/lep/lep_triangulation.h"
 #include "sensors/range/ekf_line_extractor.h"
+#include "sensors/range/feature_log.h"
 #include "sensors/range/fixate.h"
 #include "sensors/range/line_extractor.h"
 #include "sensors/range/range_readings.h"
@@ -51,6 +52,7 @@ void register_sensors(Registry& registry) {
   registry.add<Segmenter<Cuba>>();
   registry.add<Segmenter<CurvatureScaleSpace>>();
   registry.add<EkfLineExtractor>();
+  registry.add<FeatureLog>();
   registry.add<Fixate>();
   registry.add<Fuse>();
   registry.add(expression_type());
