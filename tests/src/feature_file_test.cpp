@@ -117,6 +117,52 @@ TEST(FeatureFile, OfALepSensorComesBackWithValuesAndCovariances) {
   }
 }
 
+/// Scans of a generated room, in the world by a pose that is measured at every tick.
+const std::string world_graph = R"(ilss: laser_world
+modules:
+  laser: {type: laser_scene}
+  breaks: {type: breakpoints}
+  pieces: {type: iterative_end_point_fit}
+  features: {type: laser_features}
+  beacon:
+    type: sonar
+    range_std: 20 mm
+    no_echo: 5 m
+    input: {values: [{range: 1.01 m}, {range: 1.02 m}, {range: 0.99 m}]}
+  pose:
+    type: expression
+    payload: planar_pose
+    frame: world
+    inputs: [beacon]
+    quantities: {compass: {value: 5 deg, std: 1 deg}, track: {value: 0 m, std: 10 mm}}
+    output:
+      x: {unit: m, formula: beacon.range}
+      z: {unit: m, formula: track}
+      heading: {unit: rad, formula: compass, circular: true}
+  world: {type: features_transform, mount: {x: {value: 0.1 m, std: 5 mm}}, pose: input}
+network:
+  serial:
+    - combine: [{serial: [laser, breaks, pieces, features]}, {serial: [beacon, pose]}]
+    - world
+)";
+
+TEST(FeatureFile, OfFeaturesInTheWorldHoldsThePosesErrors) {
+  const auto graph = graph_file("graph.yaml", world_graph);
+  for (const std::string format : {".csv", ".json"}) {
+    SCOPED_TRACE(format);
+    EXPECT_GT(round_trip(graph.string(), "world", format, 3).at("line_segment"), 5);
+  }
+  const Heard heard = call_command("run '" + graph.string() + "' --ticks 1 --json");
+  std::filesystem::remove(graph);
+  const Json line = sets_of(heard.output).at(0)["features"][0];
+  std::map<std::string, std::string> kinds;
+  for (const Json& share : line["budget"]) kinds[share["source"]] = share["kind"];
+  EXPECT_EQ(kinds["beacon"], "random");
+  EXPECT_EQ(kinds["features"], "random");
+  EXPECT_EQ(kinds["pose.quantities.compass"], "systematic");
+  EXPECT_EQ(kinds["world.mount.x"], "systematic");
+}
+
 TEST(FeatureFile, WhatJsonPrintsIsReadToo) {
   const auto graph = graph_file("graph.yaml", laser_graph);
   const auto file = test_file("printed.json");
