@@ -122,7 +122,7 @@ Outcome<std::optional<RecordedSet>> FeatureLog::read_rows() {
       continue;
     }
     set.time = {row->time.tick, std::max(set.time.age, row->time.age)};
-    set.features.push_back(std::move(row->feature));
+    set.features.push_back(std::move((*row).feature));
   }
   if (fault) return *fault;
   if (set.features.empty()) return std::optional<RecordedSet>();

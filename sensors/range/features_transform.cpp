@@ -22,10 +22,10 @@ const FeatureParts* parts_of(const PayloadDescriptor* type) {
                                                      {&descriptor<ArcSegment>(), {0, 3, 5}},
                                                      {&descriptor<Corner>(), {0}},
                                                      {&descriptor<SurfaceEdge>(), {0}, -1, 2}}};
-  const auto found = std::find_if(known.begin(), known.end(), [&](const FeatureParts& parts) {
-    return type != nullptr && parts.type->name == type->name;
-  });
-  return found == known.end() ? nullptr : &*found;
+  const auto* const found = std::find_if(
+      known.begin(), known.end(),
+      [&](const FeatureParts& parts) { return type != nullptr && parts.type->name == type->name; });
+  return found == known.end() ? nullptr : found;
 }
 
 /// The pose and the axes with what is computed from them once.
