@@ -30,6 +30,8 @@
 #include "sensors/lep/lep_sensor.h"
 #include "sensors/lep/lep_triangulation.h"
 #include "sensors/range/ekf_line_extractor.h"
+#include "sensors/range/feature_log.h"
+#include "sensors/range/features_transform.h"
 #include "sensors/range/fixate.h"
 #include "sensors/range/line_extractor.h"
 #include "sensors/range/range_readings.h"
@@ -51,6 +53,8 @@ void register_sensors(Registry& registry) {
   registry.add<Segmenter<Cuba>>();
   registry.add<Segmenter<CurvatureScaleSpace>>();
   registry.add<EkfLineExtractor>();
+  registry.add<FeatureLog>();
+  registry.add<FeaturesTransform>();
   registry.add<Fixate>();
   registry.add<Fuse>();
   registry.add(expression_type());

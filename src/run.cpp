@@ -17,6 +17,7 @@
 #include "src/command_report.h"
 #include "src/estimate_json.h"
 #include "src/estimate_text.h"
+#include "src/feature_file.h"
 #include "src/picture.h"
 #include "src/picture_svg.h"
 #include "src/session.h"
@@ -44,6 +45,7 @@ struct Arguments {
   std::string period = "100 ms";
   std::uint64_t seed = 1;
   std::string profile;
+  std::string features;
   std::string picture;
   double picture_scale = 1;
   bool json = false;
@@ -302,6 +304,13 @@ void report_waiting(const Commander& commander) {
                commander.waiting() == 1 ? "" : "s");
 }
 
+/// What the modules have to say of their data.
+void report_notes(const System& system) {
+  for (std::size_t i = 0; i < system.size(); ++i)
+    if (const std::string note = system.note(i); !note.empty())
+      fmt::print(stderr, "ilss: '{}': {}\n", system.plan().nodes[i].name, note);
+}
+
 double read_period(const std::string& text) {
   const auto period = parse_quantity(text, "s");
   if (const auto* error = std::get_if<std::string>(&period))
@@ -372,6 +381,11 @@ int run(const Arguments& arguments, Session& session) {
   const std::vector<ScheduledCommand> commands = read_commands(arguments.commands, plan);
   if (!arguments.profile.empty()) check_file("--profile", arguments.profile, arguments.graph);
   if (!arguments.picture.empty()) check_file("--picture", arguments.picture, arguments.graph);
+  std::optional<FeatureFile> features;
+  if (!arguments.features.empty()) {
+    check_file("--features", arguments.features, arguments.graph);
+    features.emplace(arguments.features, plan);
+  }
   Runner runner(plan, arguments.seed);
   for (const ScheduledCommand& command : commands) runner.schedule(command);
   Agreement agreement(plan);
@@ -389,6 +403,7 @@ int run(const Arguments& arguments, Session& session) {
     const std::vector<VerdictReport> verdicts = judge(runner.system());
     observe_outputs(runner.system(), verdicts, summaries);
     agreement.observe(runner.system());
+    if (features) features->add(runner.system(), time, verdicts);
     if (!arguments.picture.empty())
       if (auto drawn = picture_of(runner.system(), time)) picture = std::move(drawn);
     if (arguments.json)
@@ -399,6 +414,7 @@ int run(const Arguments& arguments, Session& session) {
       const NodeState& state = runner.system().node(*lost);
       fmt::print(stderr, "ilss: the run cannot go on: '{}': {}\n",
                  plan.nodes[state.origin.value_or(*lost)].name, state.outcome.fault().message);
+      report_notes(runner.system());
       return exit_failed;
     }
   }
@@ -409,6 +425,7 @@ int run(const Arguments& arguments, Session& session) {
                "ilss: stopped after {}; --ticks N goes on, --ticks 0 to the end of the data\n",
                ticks_text(tick));
   report_waiting(runner.commander());
+  report_notes(runner.system());
   if (!arguments.json) {
     fmt::print("\n{}{}\n", ticks_text(tick), ended ? ", to the end of the data" : "");
     if (const std::uint64_t refused = runner.commander().refused(); refused != 0)
@@ -417,6 +434,7 @@ int run(const Arguments& arguments, Session& session) {
     print_agreement(agreement, plan);
     print_latency(runner);
   }
+  if (features) features->commit();
   if (!arguments.profile.empty()) write_profile_file(arguments.profile, runner);
   return arguments.picture.empty() ? exit_fine : write_picture_file(arguments, picture);
 }
@@ -441,6 +459,10 @@ void add_run(CLI::App& app, Session& session) {
       ->capture_default_str();
   verb->add_option("--profile", arguments->profile, "Write the modules' measured times here")
       ->type_name("FILE")
+      ->check(file_name());
+  verb->add_option("--features", arguments->features,
+                   "Write every feature with its covariance, as CSV or JSON by the file's name")
+      ->type_name("FILE.csv|FILE.json")
       ->check(file_name());
   auto* picture = verb->add_option("--picture", arguments->picture,
                                    "Draw the last tick: scans, segments, edges and points, as SVG")

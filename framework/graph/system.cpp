@@ -279,6 +279,16 @@ Outcome<> System::command(std::size_t node, const Command& command) {
   return guarded([&] { return nodes_.at(node).module->command(command); });
 }
 
+std::string System::note(std::size_t node) const {
+  try {
+    return nodes_.at(node).module->note();
+  } catch (const std::exception& error) {
+    return std::string("the module threw: ") + error.what();
+  } catch (...) {
+    return "the module threw";
+  }
+}
+
 std::vector<TestReport> System::run_tests(std::size_t node) {
   try {
     return nodes_.at(node).module->run_tests(evaluation(node));

@@ -85,6 +85,9 @@ class System {
   /// Gives a module a command between ticks.
   Outcome<> command(std::size_t node, const Command& command);
 
+  /// What a module has to say of its data, as Module::note.
+  std::string note(std::size_t node) const;
+
   /// Runs a module's embedded tests.
   std::vector<TestReport> run_tests(std::size_t node);
 

@@ -87,6 +87,10 @@ class Module {
   /// Runs the module's embedded tests.
   virtual std::vector<TestReport> run_tests(const Evaluation&) { return {}; }
 
+  /// What the user of a run should be told beyond its ticks' outcomes, such as how many lines of a
+  /// recording were left out; one line, empty where there is nothing to tell.
+  virtual std::string note() const { return {}; }
+
   /// Back to the state after construction.
   virtual void reset() {}
 };

@@ -33,7 +33,8 @@ Interface LaserLog::interface(const Options& options) {
 
 void LaserLog::reset() {
   next_ = 0;
-  skipped_ = 0;
+  passed_ = 0;
+  skipped_ = {};
 }
 
 Outcome<std::optional<LaserRecord>> LaserLog::parse(std::string_view line) const {
@@ -72,14 +73,16 @@ Outcome<> LaserLog::evaluate(const Evaluation& evaluation, Output& output) {
     const std::size_t line = next_++;
     auto record = parse(log_->line(line));
     if (record && !*record) continue;
-    if (skipped_ < options_.first) {
-      ++skipped_;
+    if (passed_ < options_.first) {
+      ++passed_;
       continue;
     }
     if (!record) {
-      if (options_.skip_bad) continue;
-      return Fault{record.fault().kind, fmt::format("{}:{}: {}", options_.file.string(), line + 1,
-                                                    record.fault().message)};
+      Fault fault{record.fault().kind, fmt::format("{}:{}: {}", options_.file.string(), line + 1,
+                                                   record.fault().message)};
+      if (!options_.skip_bad) return fault;
+      skipped_.add(fault);
+      continue;
     }
     emit(evaluation, **record, output);
     return {};

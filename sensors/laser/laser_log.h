@@ -9,9 +9,10 @@
 #include <string_view>
 
 #include "framework/module/module_type.h"
+#include "framework/module/skipped_lines.h"
 #include "sensors/laser/laser_records.h"
 #include "sensors/laser/laser_scan.h"
-#include "sensors/laser/text_log.h"
+#include "sensors/range/text_log.h"
 
 namespace ilss {
 
@@ -24,8 +25,9 @@ constexpr std::array<std::string_view, 5> choices(LaserLogFormat) {
 /// Sensor: scans of a log, one a tick: CARMEN's FLASER, RLASER or ROBOTLASER1 messages, URG-04LX
 /// logs, or CSV. Ranges from `no_return` on, below `min_range` or not above 0 are no returns. The
 /// error of a range is what the data sheet says (`range_std`, `quantum`), the same at every range.
-/// Faults, with file and line: bad_data where a line is no scan (left out with `skip_bad`);
-/// end_of_data after the last scan; device_lost where the file cannot be read or has no scan.
+/// Faults, with file and line: bad_data where a line is no scan (with `skip_bad` left out and
+/// counted);/// end_of_data after the last scan; device_lost where the file cannot be read or has
+/// no scan.
 class LaserLog final : public Module {
  public:
   static constexpr std::string_view name = "laser_log";
@@ -54,6 +56,7 @@ class LaserLog final : public Module {
   explicit LaserLog(Options options) : options_(std::move(options)) {}
 
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override;
+  std::string note() const override { return skipped_.text(); }
   void reset() override;
 
  private:
@@ -62,8 +65,9 @@ class LaserLog final : public Module {
 
   Options options_;
   std::shared_ptr<const TextLog> log_;
-  std::size_t next_ = 0;  ///< line
-  std::int64_t skipped_ = 0;
+  std::size_t next_ = 0;     ///< line
+  std::int64_t passed_ = 0;  ///< scans before the first wanted one
+  SkippedLines skipped_;
 };
 
 }  // namespace ilss

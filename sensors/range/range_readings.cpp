@@ -66,6 +66,11 @@ Interface RangeReadings::interface(const Options& options) {
   return {.inputs = {}, .output = &descriptor<RangeScan>(), .frame = options.frame};
 }
 
+void RangeReadings::reset() {
+  next_ = 0;
+  skipped_ = {};
+}
+
 Outcome<> RangeReadings::open() {
   auto opened = CsvFile::open(options_.file);
   if (!opened) return opened.fault();
@@ -177,7 +182,10 @@ Outcome<> RangeReadings::evaluate(const Evaluation& evaluation, Output& output) 
   std::size_t count = 0;
   for (std::size_t row = begin; row < next_; ++row) {
     Outcome<> outcome = read_row(row, evaluation, readings[count]);
-    if (outcome.is_fault() && !options_.skip_bad) return outcome;
+    if (outcome.is_fault()) {
+      if (!options_.skip_bad) return outcome;
+      skipped_.add(outcome.fault());
+    }
     if (outcome.has_output()) ++count;
   }
   if (count == 0)

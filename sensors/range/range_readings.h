@@ -10,6 +10,7 @@
 
 #include "framework/module/csv_file.h"
 #include "framework/module/module_type.h"
+#include "framework/module/skipped_lines.h"
 #include "sensors/range/range_scan.h"
 
 namespace ilss {
@@ -25,7 +26,7 @@ constexpr std::array<std::string_view, 2> choices(AngleSense) {
 /// scale of all ranges, persistent sources (`error_1`: 1 m of offset, `error_2`: relative scale).
 /// A scan ends after `readings` rows or, without that, where the angle jumps back.
 /// Rows without a range (an empty cell) are left out; with `skip_bad`, rows that would be a fault,
-/// too. Times are s, of each reading; without a
+/// too, and counted. Times are s, of each reading; without a
 /// column, the tick's.
 /// Frame: as named; the head's axis is its origin. Faults, with file and line: bad_data where a
 /// cell is no number, a range, inverse range or sd is not above 0, or a range lies outside
@@ -79,7 +80,8 @@ class RangeReadings final : public Module {
   explicit RangeReadings(Options options) : options_(std::move(options)) {}
 
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override;
-  void reset() override { next_ = 0; }
+  std::string note() const override { return skipped_.text(); }
+  void reset() override;
 
  private:
   struct Columns {
@@ -95,6 +97,7 @@ class RangeReadings final : public Module {
   std::shared_ptr<const CsvFile> recording_;
   Columns columns_ = {};
   std::size_t next_ = 0;  ///< row
+  SkippedLines skipped_;
 };
 
 }  // namespace ilss

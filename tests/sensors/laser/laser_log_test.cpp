@@ -90,6 +90,11 @@ TEST(LaserLog, ABadLineIsAFaultWithItsPlaceOrLeftOut) {
   EXPECT_TRUE(run(tolerant, {}).outcome);
   EXPECT_TRUE(run(tolerant, {}).outcome);
   EXPECT_EQ(fault_of(run(tolerant, {}).outcome), "end_of_data");
+  EXPECT_EQ(tolerant.note(), "2 bad lines left out, the first: " + path.string() +
+                                 ":1: the line ends at word 5; expected a range");
+  EXPECT_EQ(log.note(), "") << "nothing is left out without skip_bad";
+  tolerant.reset();
+  EXPECT_EQ(tolerant.note(), "");
 }
 
 TEST(LaserLog, FilesWithoutScansAreDeviceLost) {

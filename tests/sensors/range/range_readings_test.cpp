@@ -315,5 +315,18 @@ TEST_F(RangeReadingsTest, MutatedFilesNeitherCrashNorGiveWhatIsNoNumber) {
   EXPECT_GT(outputs, 1000);
 }
 
+TEST_F(RangeReadingsTest, BadRowsAreLeftOutAndCountedWhereWanted) {
+  write("angle,range\n0.1,1\n0.2,far\n0.3,\n0.4,-1\n0.5,1\n");
+  RangeReadings module(options("std_constant: 1 cm, skip_bad: true"));
+  const ModuleRun result = next(module);
+  ASSERT_TRUE(result.outcome);
+  EXPECT_EQ(readings_of(result.output).size(), 2U);
+  EXPECT_EQ(module.note(), "2 bad lines left out, the first: " + path_.string() +
+                               ":3: expected a number in column 2, got 'far'")
+      << "the empty range is no bad row";
+  module.reset();
+  EXPECT_EQ(module.note(), "");
+}
+
 }  // namespace
 }  // namespace ilss

@@ -1,4 +1,4 @@
-#include "sensors/laser/text_log.h"
+#include "sensors/range/text_log.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
