@@ -66,22 +66,55 @@ void MaximumLikelihoodSegments::solve(std::size_t readings) {
   }
 }
 
+/// Neighbours between which so few readings are left over may change hands or be one.
+constexpr std::size_t most_between = 3;
+
+LaserModelRule MaximumLikelihoodSegments::model() const {
+  return {.evidence = options_.arc_cost - options_.line_cost,
+          .least_radius = options_.least_radius,
+          .largest_radius = options_.largest_radius,
+          .largest_misfit = INFINITY};
+}
+
+/// What a run costs by its exact fit; infinite where it has none.
+double MaximumLikelihoodSegments::exact_cost(std::span<const ScanPoint> points,
+                                             const LaserNoise& noise, const ReadingRun& run) const {
+  const auto fit = fit_laser_segment(points, run, noise, model(), {});
+  if (!fit) return INFINITY;
+  return fit->arc ? fit->arc->chi_squared + options_.arc_cost
+                  : fit->line.chi_squared + options_.line_cost;
+}
+
+/// Joins neighbours that are cheaper as one: the sums by which they were parted are not quite
+/// exact.
+void MaximumLikelihoodSegments::join(std::span<const ScanPoint> points, const LaserNoise& noise,
+                                     std::size_t first, std::vector<ReadingRun>& runs) const {
+  for (std::size_t i = first; i + 1 < runs.size();) {
+    const ReadingRun both{runs[i].begin, runs[i + 1].end};
+    const std::size_t between = runs[i + 1].begin - runs[i].end;
+    const double apart = exact_cost(points, noise, runs[i]) +
+                         exact_cost(points, noise, runs[i + 1]) +
+                         static_cast<double>(between) * options_.outlier_cost;
+    if (between <= most_between && exact_cost(points, noise, both) < apart) {
+      runs[i] = both;
+      runs.erase(runs.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+    } else {
+      ++i;
+    }
+  }
+}
+
 void MaximumLikelihoodSegments::move_ends(std::span<const ScanPoint> points,
                                           const LaserNoise& noise,
                                           std::span<ReadingRun> runs) const {
   constexpr int rounds = 2;
-  const LaserModelRule rule{.evidence = options_.arc_cost - options_.line_cost,
-                            .least_radius = options_.least_radius,
-                            .largest_radius = options_.largest_radius,
-                            .largest_misfit = INFINITY};
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i + 1 < runs.size(); ++i) {
       ReadingRun& a = runs[i];
       ReadingRun& b = runs[i + 1];
-      constexpr std::size_t most_between = 3;
       if (b.begin - a.end > most_between || a.size() < 4 || b.size() < 4) continue;
-      const auto fit_a = fit_laser_segment(points, a, noise, rule, {});
-      const auto fit_b = fit_laser_segment(points, b, noise, rule, {});
+      const auto fit_a = fit_laser_segment(points, a, noise, model(), {});
+      const auto fit_b = fit_laser_segment(points, b, noise, model(), {});
       if (!fit_a || !fit_b) continue;
       // Up to half of either may change hands.
       const std::size_t first = a.end - std::min<std::size_t>(a.size() / 2, 20);
@@ -111,6 +144,7 @@ void MaximumLikelihoodSegments::segment(std::span<const ScanPoint> points, const
     if (solutions_[at].is_segment) runs.push_back({ends_[solutions_[at].begin], ends_[at]});
   std::reverse(runs.begin() + static_cast<std::ptrdiff_t>(before), runs.end());
   move_ends(points, noise, std::span(runs).subspan(before));
+  join(points, noise, before, runs);
 }
 
 }  // namespace ilss

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sensors/laser/curve_moments.h"
+#include "sensors/laser/laser_segment.h"
 #include "sensors/laser/segmenter.h"
 
 namespace ilss {
@@ -10,8 +11,9 @@ namespace ilss {
 /// readings that belong to neither, the one of least cost: chi² of the readings, `line_cost` for
 /// each line, `arc_cost` for each arc and `outlier_cost` for each reading left over. By dynamic
 /// programming over where segments end, every `stride` readings, with those beginnings left out
-/// that can no longer be best (Killick et al. 2012); then each end between two neighbours moves to
-/// where their exact fits part. Costs n times the length of segments.
+/// that can no longer be best (Killick et al. 2012), and fits from sums; then each end between two
+/// neighbours moves to where their exact fits part, and neighbours that are cheaper as one are one.
+/// Costs n times the length of segments.
 class MaximumLikelihoodSegments {
  public:
   static constexpr std::string_view name = "maximum_likelihood";
@@ -21,12 +23,12 @@ class MaximumLikelihoodSegments {
       "ours, after Schaefer et al. 2018 (maximum-likelihood polylines) and Killick et al. 2012";
 
   struct Options {
-    double line_cost = 25;
-    double arc_cost = 45;
+    double line_cost = 30;
+    double arc_cost = 50;
     double outlier_cost = 12;
     double least_radius = 0.1;
     double largest_radius = 3;
-    std::int64_t stride = 3;
+    std::int64_t stride = 2;
     void declare(OptionVisitor& visit);
   };
 
@@ -45,6 +47,11 @@ class MaximumLikelihoodSegments {
 
   double chi_squared(std::size_t begin, std::size_t end, double& cost) const;
   void solve(std::size_t readings);
+  LaserModelRule model() const;
+  double exact_cost(std::span<const ScanPoint> points, const LaserNoise& noise,
+                    const ReadingRun& run) const;
+  void join(std::span<const ScanPoint> points, const LaserNoise& noise, std::size_t first,
+            std::vector<ReadingRun>& runs) const;
   void move_ends(std::span<const ScanPoint> points, const LaserNoise& noise,
                  std::span<ReadingRun> runs) const;
 

@@ -13,7 +13,7 @@
 #include "sensors/laser/laser_features.h"
 #include "sensors/laser/laser_log.h"
 #include "sensors/laser/maximum_likelihood_segments.h"
-#include "sensors/laser/text_log.h"
+#include "sensors/range/text_log.h"
 #include "tests/sensors/laser/simulated_readings.h"
 #include "tests/sensors/module_run.h"
 
