@@ -24,6 +24,8 @@ bool BreakpointRule::breaks(double range_before, double range, double step) {
 void Breakpoints::Options::declare(OptionVisitor& visit) {
   visit("incidence", incidence, "lambda: beams that meet a surface at less break it",
         {.unit = "rad", .minimum = 0, .maximum = 1.5707963267948966});
+  visit("deviations", deviations, "sd of a range's noise that two readings of a surface may differ",
+        {.minimum = 0});
   visit("least_readings", least_readings, "of a cluster", {.minimum = 1, .maximum = 1000000});
 }
 
@@ -35,7 +37,8 @@ Interface Breakpoints::interface() {
 
 Outcome<> Breakpoints::evaluate(const Evaluation& evaluation, Output& output) {
   const std::span<const LaserBeam> beams = beams_of(*evaluation.inputs[0]);
-  BreakpointRule rule(options_.incidence, noise_of(evaluation.input(0)).range_deviation());
+  const double deviation = noise_of(evaluation.input(0)).range_deviation();
+  BreakpointRule rule(options_.incidence, options_.deviations * deviation);
   const std::span<SegmentedBeam> rows = make_rows<SegmentedBeam>(output, beams.size());
   double segment = 0;
   std::size_t begin = 0;  // of the open cluster

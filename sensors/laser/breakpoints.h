@@ -12,9 +12,8 @@ namespace ilss {
 /// How far apart two neighbouring readings of one surface may be.
 class BreakpointRule {
  public:
-  /// `incidence`: lambda (rad); `deviation`: of a range's noise (m).
-  BreakpointRule(double incidence, double deviation)
-      : incidence_(incidence), noise_(3 * deviation) {}
+  /// `incidence`: lambda (rad); `noise`: how far apart noise alone may bring them (m).
+  BreakpointRule(double incidence, double noise) : incidence_(incidence), noise_(noise) {}
 
   /// Whether the surface ends between a reading and the next one, `step` (rad) farther on.
   bool breaks(double range_before, double range, double step);
@@ -30,12 +29,15 @@ class BreakpointRule {
 /// Estimator: takes a laser_scan apart into clusters. A cluster ends at a rupture point, which is a
 /// beam without return, and at a breakpoint: between readings n-1 and n whose points are farther
 /// apart than
-///   r_{n-1} sin(dphi) / sin(lambda - dphi) + 3 sigma,
-/// the distance on a surface that the beam meets at the angle lambda, and the noise of a range
-/// (sigma² = range_std² + quantum²/12). Steps dphi of lambda and more never break. Clusters of
-/// fewer than `least_readings` are isolated readings and belong to none. Input: a laser_scan;
-/// output: a segmented_scan in its frame, whose segments are the clusters. Faults: bad_data where a
-/// number is not finite or a range negative; no_detection where no cluster is left.
+///   r_{n-1} sin(dphi) / sin(lambda - dphi) + deviations · sigma,
+/// the distance on a surface that the beam meets at the angle lambda, and the noise
+/// (sigma² = range_std² + quantum²/12). Published with 3 sigma, of which the difference of two
+/// ranges often has more, so that dense or noisy scans of one surface break; here it is three
+/// standard deviations of the difference, 3 sqrt(2) sigma. Steps dphi of
+/// lambda and more never break. Clusters of fewer than `least_readings` are isolated readings and
+/// belong to none. Input: a laser_scan; output: a segmented_scan in its frame, whose segments are
+/// the clusters. Faults: bad_data where a number is not finite or a range negative; no_detection
+/// where no cluster is left.
 class Breakpoints final : public Module {
  public:
   static constexpr std::string_view name = "breakpoints";
@@ -48,6 +50,7 @@ class Breakpoints final : public Module {
 
   struct Options {
     double incidence = 0.17453292519943295;
+    double deviations = 4.2426406871192851;
     std::int64_t least_readings = 3;
     void declare(OptionVisitor& visit);
   };

@@ -122,7 +122,7 @@ void LaserFeatures::add_edges(std::size_t index, double deviation,
   const LaserSegment& segment = segments_[index];
   if (segment.arc) return;
   const auto points = scan_.points();
-  BreakpointRule rule(options_.incidence, deviation);
+  BreakpointRule rule(options_.incidence, Breakpoints::Options{}.deviations * deviation);
   const auto add_end = [&](std::size_t end, std::size_t neighbour) {
     const ScanPoint& at = points[end];
     const ScanPoint& other = points[neighbour];

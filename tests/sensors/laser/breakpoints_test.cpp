@@ -36,7 +36,7 @@ TEST(Breakpoints, BreakWhereTheStepIsLongerThanThePublishedLimit) {
     // The farther range at which the two points are `limit` apart: the law of cosines.
     const double along = before * std::cos(step);
     const double range = along + std::sqrt(limit * limit - before * before + along * along);
-    BreakpointRule rule(incidence, deviation);
+    BreakpointRule rule(incidence, 3 * deviation);
     EXPECT_FALSE(rule.breaks(before, range - 1e-9, step));
     EXPECT_TRUE(rule.breaks(before, range + 1e-9, step));
     EXPECT_TRUE(rule.breaks(before, range + 1e-9, -step)) << "either way of the sweep";
@@ -49,6 +49,19 @@ TEST(Breakpoints, NeverBreakAtStepsOfTheIncidenceAndMore) {
   EXPECT_FALSE(rule.breaks(1, 100, incidence));
   EXPECT_FALSE(rule.breaks(1, 100, 2 * incidence));
   EXPECT_TRUE(rule.breaks(1, 100, 0.9 * incidence));
+}
+
+// 5 mm of noise: three standard deviations of one range are 15 mm, those of a difference 21 mm.
+TEST(Breakpoints, AllowTheNoiseOfBothReadings) {
+  std::vector<double> ranges(20, 2);
+  const double step = 1e-4;  // so dense that a surface's own slope hardly counts
+  const double slope = 2 * std::sin(step) / std::sin(10 * degree - step);
+  for (std::size_t i = 10; i < ranges.size(); ++i) ranges[i] = 2 + slope + 0.018;
+  const auto both = clusters_of(scan_of(ranges, step));
+  ASSERT_TRUE(both.outcome);
+  EXPECT_EQ(runs_of(both.output).size(), 1u);
+  const auto published = clusters_of(scan_of(ranges, step), {.deviations = 3});
+  EXPECT_EQ(runs_of(published.output).size(), 2u);
 }
 
 TEST(Breakpoints, EndAClusterAtABeamWithoutReturn) {
