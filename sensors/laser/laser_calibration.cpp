@@ -22,10 +22,12 @@ Outcome<> check(std::span<const CalibrationRange> ranges, int order) {
     if ((r.deviation > 0) != (ranges[0].deviation > 0))
       return Fault{FaultKind::bad_data, "give every range an sd, or none"};
   }
-  if (static_cast<int>(ranges.size()) < order + 2)
+  // Degrees of freedom: the noise, where it is to be estimated, needs some.
+  const int least = order + 1 + (!ranges.empty() && ranges[0].deviation > 0 ? 1 : 10);
+  if (static_cast<int>(ranges.size()) < least)
     return Fault{FaultKind::degenerate,
                  fmt::format("a polynomial of order {} needs {} ranges at least, {} are given",
-                             order, order + 2, ranges.size())};
+                             order, least, ranges.size())};
   return {};
 }
 
@@ -111,8 +113,12 @@ Outcome<LaserCalibration> calibrate_laser(std::span<const CalibrationRange> rang
                                "differ more",
                                order)};
   judge(ranges, calibration);
-  if (!calibration.noise_is_stated)
-    calibration.covariance *= calibration.range_std * calibration.range_std;
+  if (!calibration.noise_is_stated) {
+    // An sd that is itself estimated makes the coefficients follow Student's law.
+    const double degrees = calibration.degrees_of_freedom();
+    calibration.covariance *=
+        calibration.range_std * calibration.range_std * degrees / (degrees - 2);
+  }
   return calibration;
 }
 

@@ -181,19 +181,26 @@ void LaserFeatureWriter::add_line(std::size_t index, const LaserSegment& segment
   feature.value[8] = static_cast<double>(segment.run.end - 1);
   feature.by_bias = feature.by_fit * line.by_bias;
   Estimate& element = write(descriptor<LineSegment>(), feature);
+  const bool is_open = segment.run.begin == 0 || segment.run.end == scan.size();
+  element.labels[0] = is_open ? 1 : 0;
   const Eigen::Matrix2d factor = factor_of(line.covariance);
   const Eigen::Matrix<double, rows, 2> columns = feature.by_fit * factor;
   element.lineage.add(source(index, 0), column_of<rows>(columns.col(0)));
   element.lineage.add(source(index, 1), column_of<rows>(columns.col(1)));
-  const double bearing_std = std::sqrt(noise_.bearing_variance);
-  if (bearing_std > 0) {
-    Eigen::Matrix<double, rows, 1> column = Eigen::Matrix<double, rows, 1>::Zero();
-    column.template segment<2>(2) = turn(start.by_bearing) * bearing_std;
-    element.lineage.add(source(index, column_of_start), column_of<rows>(column));
-    column.setZero();
-    column.template segment<2>(4) = turn(end.by_bearing) * bearing_std;
-    element.lineage.add(source(index, column_of_end), column_of<rows>(column));
-  }
+  // An end lies on the line, also on one that is turned: second order, along the normal. Four
+  // times its root mean square, for a product of errors has longer tails than an error.
+  const Vector2 normal = turn(Vector2(std::cos(line.alpha), std::sin(line.alpha)));
+  const auto add_end = [&](int row, std::uint32_t column) {
+    const Vector2 along(-normal.y(), normal.x());
+    const Eigen::RowVector2d by_line =
+        along.transpose() * feature.by_fit.template middleRows<2>(row);
+    const double slide = (by_line * line.covariance * by_line.transpose()).value();
+    Eigen::Matrix<double, rows, 1> values = Eigen::Matrix<double, rows, 1>::Zero();
+    values.template segment<2>(row) = normal * 4 * std::sqrt(3 * line.covariance(1, 1) * slide);
+    element.lineage.add(source(index, column), column_of<rows>(values));
+  };
+  add_end(2, column_of_start);
+  add_end(4, column_of_end);
   element.lineage.add(source(index, column_of_second_order), 0,
                       std::sqrt(line.second_order_variance()));
 }
@@ -210,19 +217,30 @@ void LaserFeatureWriter::add_arc(std::size_t index, const LaserSegment& segment,
   feature.value[2] = arc.radius;
   feature.by_fit.row(2) << 0, 0, 1;
   feature.by_mount.row(2).setZero();
-  // An end is the point of the circle next to the first or last reading.
+  // An end is where the first or last beam meets the circle, or, of a beam that grazes it, the
+  // point of the circle next to its reading.
   Eigen::Matrix<double, rows, bias_count> by_slide =
       Eigen::Matrix<double, rows, bias_count>::Zero();
-  std::array<Vector2, 2> by_noise;
+  std::array<Vector2, 2> by_noise{Vector2::Zero(), Vector2::Zero()};
   const std::array<const ScanPoint*, 2> ends{&scan[segment.run.begin], &scan[segment.run.end - 1]};
+  const double sign = arc.radius < 0 ? -1 : 1;
   for (int i = 0; i < 2; ++i) {
     const ScanPoint& p = *ends[static_cast<std::size_t>(i)];
-    const Vector2 normal = (Vector2(p.x, p.y) - centre).normalized();
+    const Vector2 beam(p.cosine, p.sine);
+    const Vector2 met = range_of(arc, p) * beam;
+    Vector2 normal = (met - centre).normalized();
+    const double incidence = normal.dot(beam);
+    constexpr double grazing = 0.2;
+    if (std::abs(incidence) > grazing) {
+      by_circle << beam * normal.transpose() / incidence, beam * (sign / incidence);
+      set_place<rows, 3>(feature, 3 + 2 * i, met, by_circle);
+      continue;
+    }
+    normal = (Vector2(p.x, p.y) - centre).normalized();
     const Vector2 tangent(-normal.y(), normal.x());
-    const double sign = arc.radius < 0 ? -1 : 1;
     by_circle << normal * normal.transpose(), sign * normal;
     set_place<rows, 3>(feature, 3 + 2 * i, centre + std::abs(arc.radius) * normal, by_circle);
-    const double along = tangent.dot(Vector2(p.cosine, p.sine));
+    const double along = tangent.dot(beam);
     by_slide.middleRows<2>(3 + 2 * i) =
         turn(tangent) * along * powers_of(p.range / evaluation_.input(0).value[bias_range]);
     by_noise[static_cast<std::size_t>(i)] =
@@ -296,8 +314,9 @@ void LaserFeatureWriter::add_edge(std::size_t index, const LaserLineFit& line,
   const Eigen::Matrix<double, 3, 2> columns = feature.by_fit * factor_of(line.covariance);
   element.lineage.add(source(index, 0), column_of<3>(columns.col(0)));
   element.lineage.add(source(index, 1), column_of<3>(columns.col(1)));
-  // Anywhere between the two beams, each of which may look a little elsewhere.
-  const double bearing_std = std::sqrt(step * step / 12 + noise_.bearing_variance / 2);
+  // Anywhere between the two beams as they really look: their middle is off by half the variance of
+  // one, and of such pairs the wider ones hold an edge more often, by the other half.
+  const double bearing_std = std::sqrt(step * step / 12 + noise_.bearing_variance);
   Eigen::Vector3d column = Eigen::Vector3d::Zero();
   column.head<2>() = turn(place.by_bearing) * bearing_std;
   element.lineage.add(source(index, step > 0 ? column_of_last_edge : column_of_first_edge),

@@ -68,12 +68,13 @@ bool LaserFeatures::is_real_corner(const LaserSegment& before, const LaserSegmen
   const ScanPoint& last = scan_.points()[before.run.end - 1];
   const ScanPoint& first = scan_.points()[after.run.begin];
   const ScanPoint corner = intersection(before.line, after.line);
-  // Within the beams, or as far off as noise may have moved the one line's end to the other.
-  const double step = std::abs(first.bearing - last.bearing);
-  const double middle = (first.bearing + last.bearing) / 2;
-  const double angle = std::abs(std::sin(after.line.alpha - before.line.alpha));
-  const double slack = 3 * noise.deviation_at(corner.range) / (angle * corner.range);
-  return std::abs(wrap_angle(corner.bearing - middle)) < 1.5 * step + slack;
+  // Between the two beams; or else the beam that lies beyond it is as well of the other line.
+  constexpr double as_well = 25;  // squared standard deviations
+  const double step = first.bearing - last.bearing;
+  const double share = wrap_angle(corner.bearing - last.bearing) / step;
+  if (share < 0) return squared_residual(after.line, last, noise) < as_well;
+  if (share > 1) return squared_residual(before.line, first, noise) < as_well;
+  return true;
 }
 
 void LaserFeatures::add_virtual_corners(LaserFeatureWriter& writer) const {

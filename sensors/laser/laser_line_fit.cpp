@@ -90,6 +90,7 @@ Step step_of(const Sums& s, double determinant) {
 struct Bend {
   double gain = 0;
   double radius = INFINITY;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
 };
 
 Bend bend_of(const Sums& s) {
@@ -102,7 +103,16 @@ Bend bend_of(const Sums& s) {
   if (!(spread > 1e-12 * s.wgggg)) return {};
   const double by_line = s.wge - mean * s.we;
   const double across = s.wgge - square_mean * s.we - shear * by_line;
-  return {across * across / spread, spread / (2 * std::abs(across))};
+  const double curvature = across / spread;  // c
+  // Half a length L of the parabola has a slope that is c L / 2 off the whole's, and lies c L² / 12
+  // beside it; turned about the middle, rho changes with it.
+  const double length = std::sqrt(12 * second / s.w);
+  const double slope = curvature * length / 2;
+  const double beside = curvature * length * length / 12;
+  const Eigen::Vector2d turned(-mean * slope, slope);
+  Bend bend{across * across / spread, 1 / (2 * std::abs(curvature)), turned * turned.transpose()};
+  bend.covariance(0, 0) += beside * beside;
+  return bend;
 }
 
 void turn(Normal& line, const Step& step) {
@@ -147,7 +157,8 @@ std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
     const Step step = step_of(sums, determinant);
     turn(line, step);
     if (i > 0 && step.gain < settled) {
-      if (!(sums.least_incidence > 0) || !(line.rho > 0)) return std::nullopt;
+      constexpr double least = 1e-6;  // below, beams run along the line
+      if (!(sums.least_incidence > least) || !(line.rho > least)) return std::nullopt;
       LaserLineFit fit;
       fit.rho = line.rho;
       fit.alpha = wrap_angle(std::atan2(line.sine, line.cosine));
@@ -157,6 +168,7 @@ std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
       const Bend bend = bend_of(sums);
       fit.bend = bend.gain;
       fit.bend_radius = bend.radius;
+      fit.bend_covariance = bend.covariance;
       fit.readings = points.size();
       if (biases.count > 0)
         fit.by_bias = bias_sensitivity(points, noise, line, fit.covariance, biases);

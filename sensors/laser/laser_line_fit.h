@@ -20,7 +20,9 @@ struct LaserLineFit {
   double chi_squared = 0;                              ///< of the readings about it
   double bend = 0;                ///< chi² that a parabola in place of the line would save
   double bend_radius = INFINITY;  ///< of that parabola's curvature (m)
-  std::size_t readings = 0;       ///< two of them are its degrees of freedom
+  /// Of (rho, alpha): what the line would differ by if another half of the bent surface were seen.
+  Eigen::Matrix2d bend_covariance = Eigen::Matrix2d::Zero();
+  std::size_t readings = 0;  ///< two of them are its degrees of freedom
 
   /// A short line turns about its middle, and rho then changes by -rho (change of alpha)² / 2,
   /// which first order does not see: its mean square (m²). Independent of the covariance.

@@ -17,10 +17,12 @@ bool fits(double chi_squared, std::size_t readings, std::size_t parameters,
          chi_squared <= rule.largest_misfit * static_cast<double>(readings - parameters);
 }
 
-/// Whether a run that a line was fitted to may be an arc instead: it is bent, and about as much.
+/// Whether a run that a line was fitted to may be an arc instead: it is bent, and about as much or
+/// so much that a parabola's curvature says nothing.
 bool may_be_arc(const LaserLineFit& line, const LaserModelRule& rule) {
   constexpr double margin = 2;  // a parabola's curvature is not quite a circle's
-  return line.bend > rule.evidence && line.bend_radius < margin * rule.largest_radius;
+  return line.bend > rule.evidence && (line.bend_radius < margin * rule.largest_radius ||
+                                       !fits(line.chi_squared, line.readings, 2, rule));
 }
 
 }  // namespace
@@ -30,7 +32,7 @@ std::optional<LaserSegment> fit_laser_segment(std::span<const ScanPoint> scan,
                                               const LaserModelRule& rule,
                                               const UncertainBiases& biases) {
   const auto points = scan.subspan(run.begin, run.size());
-  const auto line = fit_laser_line(points, noise, biases);
+  auto line = fit_laser_line(points, noise, biases);
   if (rule.largest_radius > 0 && (!line || may_be_arc(*line, rule))) {
     const auto arc = fit_laser_arc(points, noise, biases);
     if (arc && is_believable(*arc, rule) &&
@@ -38,7 +40,11 @@ std::optional<LaserSegment> fit_laser_segment(std::span<const ScanPoint> scan,
         fits(arc->chi_squared, points.size(), 3, rule))
       return LaserSegment{run, {}, arc};
   }
-  if (!line || !fits(line->chi_squared, points.size(), 2, rule)) return std::nullopt;
+  constexpr double largest_direction_std = 0.15;  // rad: beyond, first order does not hold
+  if (!line || !fits(line->chi_squared, points.size(), 2, rule) ||
+      line->covariance(1, 1) > largest_direction_std * largest_direction_std)
+    return std::nullopt;
+  if (line->bend > rule.evidence) line->covariance += line->bend_covariance;
   return LaserSegment{run, *line, {}};
 }
 

@@ -26,7 +26,9 @@ struct LaserModelRule {
   double largest_misfit = 4;  ///< chi² per degree of freedom
 };
 
-/// Fits a run of a scan's points; nothing where neither a line nor an arc fits.
+/// Fits a run of a scan's points; nothing where neither a line nor an arc fits, or the line's
+/// direction is hardly known (0.15 rad). A line that is bent, but is no arc, gets the covariance
+/// that its bend leaves it: the same surface, seen elsewhere, is another line.
 std::optional<LaserSegment> fit_laser_segment(std::span<const ScanPoint> scan,
                                               const ReadingRun& run, const LaserNoise& noise,
                                               const LaserModelRule& rule,

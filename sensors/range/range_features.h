@@ -10,10 +10,12 @@ inline constexpr std::string_view segment_states[] = {"ended", "open"};
 inline constexpr LabelField line_segment_labels[] = {{"state", segment_states}};
 
 /// A straight piece of surface: the line x cos(phi) + z sin(phi) = rho, from where the sensor's
-/// rays first met it to where they last did. The ends lie on the line, so the covariance has rank 4
-/// at most. `readings` is how many readings it explains, `first_reading` and `last_reading` the
-/// first and last of them by their places in the scan (of a laser's: beams), so that segments can
-/// be told apart and matched by what they were made of.
+/// rays first met it to where they last did. The ends lie on the line, so to first order
+/// the covariance has rank 4. An end is not where the surface ends: that is an edge. Where rho is
+/// within a few sd of 0, phi may be off by pi: (rho, phi) and (-rho, phi + pi) are one line.
+/// `readings` is how many readings it explains, `first_reading` and `last_reading` the first and
+/// last of them by their places in the scan (of a laser's: beams), so that segments can be told
+/// apart and matched by what they were made of.
 template <typename T>
 struct LineSegment {
   T rho, phi, start_x, start_z, end_x, end_z, readings, first_reading, last_reading;

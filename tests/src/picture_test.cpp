@@ -99,9 +99,9 @@ TEST(Picture, ShowsReadingsSegmentsEdgesSensorAndScene) {
 
 TEST(Picture, SaysWhatIsWhat) {
   const Drawn drawn("graphs/lep_lines.yaml");
-  for (const char* text : {"ranging: 256 readings", "lines: 2 line_segment, 1 corner",
-                           "the scene that lep looks at", "ellipses hold 95 %", "x (m)", "z (m)",
-                           "lep_lines, tick 0 at 0.000 s, frame lep"})
+  for (const char* text :
+       {"ranging: 256 readings", "lines: 2 line_segment, 1 corner", "the scene that lep looks at",
+        "ellipses hold 95 %", "x (m)", "z (m)", "lep_lines, tick 0 at 0.000 s, frame lep"})
     EXPECT_TRUE(drawn.says(text)) << text;
   EXPECT_FALSE(drawn.says("times as large"));
 }

@@ -134,6 +134,105 @@ TEST(LaserFeatures, NeesOfCornersIsTwo) {
   EXPECT_LT(sum / found, 2.1);
 }
 
+/// A wall seen 40 degrees off at most by 10 to 60 beams, and another far behind its second end.
+struct RandomEdge {
+  TestWall wall;
+  Output scan;
+  std::size_t beams = 0;  ///< of the wall
+  double first = 0;
+  double step = 0.5 * degree;
+
+  RandomEdge(const LaserDevice& device, std::mt19937_64& draw) {
+    std::uniform_real_distribution<double> unit;
+    const double rho = 1 + 3 * unit(draw);
+    const double off = 80 * degree * (unit(draw) - 0.5);
+    beams = 10 + static_cast<std::size_t>(50 * unit(draw));
+    first = -static_cast<double>(beams) / 2 * step;
+    // The wall's normal is `off` the forward axis; its end lies anywhere between two beams.
+    const Eigen::Vector2d normal(std::cos(off), std::sin(off));
+    const auto at = [&](double bearing) {
+      const Eigen::Vector2d beam(std::cos(bearing), std::sin(bearing));
+      return Eigen::Vector2d(rho / normal.dot(beam) * beam);
+    };
+    const double last = first + (static_cast<double>(beams - 1) + unit(draw)) * step;
+    wall = {at(first - 3 * degree), at(last)};
+    const TestScene scene{{wall, {{20, -20}, {20, 20}}}};
+    const auto points =
+        simulate_readings(device, first, step, static_cast<int>(beams) + 20, scene, draw);
+    while (beams > 0 && points[beams - 1].range > 15) --beams;
+    while (points[beams].range < 15) ++beams;
+    const std::array<ReadingRun, 2> runs{{{0, beams}, {beams, points.size()}}};
+    scan = scan_of(points, runs, device);
+  }
+  /// Where a beam that looks where it says meets the wall, in the robot's plane.
+  Eigen::Vector2d met(std::size_t beam) const {
+    const double bearing = first + static_cast<double>(beam) * step;
+    const Eigen::Vector2d along = wall.b - wall.a;
+    const double c = std::cos(bearing);
+    const double s = std::sin(bearing);
+    const double range =
+        (along.x() * wall.a.y() - along.y() * wall.a.x()) / (along.x() * s - along.y() * c);
+    return {range * c, -range * s};
+  }
+  /// rho and phi in the robot's plane.
+  Eigen::Vector2d line() const {
+    const Eigen::Vector2d along = (wall.b - wall.a).normalized();
+    Eigen::Vector2d normal(along.y(), -along.x());
+    if (normal.dot(wall.a) < 0) normal = -normal;
+    return {normal.dot(wall.a), std::atan2(-normal.y(), normal.x())};
+  }
+};
+
+// Of the six, four follow from two parameters; what second order leaves of the rest has longer
+// tails than a normal error, so a little less than 95 % are inside.
+TEST(LaserFeatures, ALinesSixComponentsAreTogetherAsWrongAsTheySay) {
+  std::mt19937_64 draw(20261123);
+  const LaserDevice device;
+  int inside = 0;
+  double ends = 0;
+  constexpr int runs = 5000;
+  for (int i = 0; i < runs; ++i) {
+    const RandomEdge random(device, draw);
+    const ModuleRun result = features_of(random.scan);
+    const auto lines = elements_of<LineSegment>(result.output);
+    ASSERT_GE(lines.size(), 1u);
+    const auto line = payload_of<LineSegment>(*lines[0]);
+    Eigen::VectorXd truth(6);
+    truth << random.line(), random.met(static_cast<std::size_t>(line.first_reading)),
+        random.met(static_cast<std::size_t>(line.last_reading));
+    Eigen::VectorXd error = lines[0]->vector().head<6>() - truth;
+    error[1] = wrap_angle(error[1]);
+    const Eigen::MatrixXd covariance = lines[0]->lineage.covariance();
+    const NormalizedError all = normalized_squared_error(error, covariance.topLeftCorner<6, 6>());
+    inside += all.value < chi_square_quantile(all.rank, 0.95) ? 1 : 0;
+    ends += normalized_squared_error(error.segment<2>(2), covariance.block<2, 2>(2, 2)).value;
+  }
+  EXPECT_GT(inside, 0.92 * runs);
+  EXPECT_LT(ends, 2.1 * runs);
+}
+
+TEST(LaserFeatures, NeesOfEdgesIsTwo) {
+  std::mt19937_64 draw(20261124);
+  const LaserDevice device;
+  double sum = 0;
+  int found = 0;
+  constexpr int runs = 10000;
+  for (int i = 0; i < runs; ++i) {
+    const RandomEdge random(device, draw);
+    const ModuleRun result = features_of(random.scan);
+    const auto edges = elements_of<SurfaceEdge>(result.output);
+    if (edges.size() != 1) continue;  // one in some thousands is no line by chance
+    ++found;
+    const Eigen::Vector2d error(edges[0]->value[0] - random.wall.b.x(),
+                                edges[0]->value[1] + random.wall.b.y());
+    sum +=
+        normalized_squared_error(error, edges[0]->lineage.covariance().topLeftCorner<2, 2>()).value;
+  }
+  EXPECT_GT(found, 0.999 * runs);
+  EXPECT_GT(sum / found, 1.9);
+  EXPECT_LT(sum / found, 2.1);
+}
+
 /// Two walls that meet in a corner, and a pillar before the second one: an exact scan.
 struct ExactScene {
   LaserDevice device{0.005, 0.1 * degree};
