@@ -19,6 +19,11 @@ Outcome<> check(std::span<const CalibrationRange> ranges, int order) {
       return Fault{FaultKind::bad_data,
                    fmt::format("range {}: measured {:g} m, true {:g} m, sd {:g} m", i + 1,
                                r.measured, r.truth, r.deviation)};
+    constexpr double largest_error = 0.5;  // of the range
+    if (std::abs(r.measured - r.truth) > largest_error * r.truth)
+      return Fault{FaultKind::bad_data,
+                   fmt::format("range {}: {:g} m were measured of {:g} m; are the units right?",
+                               i + 1, r.measured, r.truth)};
     if ((r.deviation > 0) != (ranges[0].deviation > 0))
       return Fault{FaultKind::bad_data, "give every range an sd, or none"};
   }

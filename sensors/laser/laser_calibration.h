@@ -43,7 +43,8 @@ struct LaserCalibration {
 /// Least squares of measured - true by a polynomial of an order up to six (Núñez et al. 2009, sec.
 /// 4.4), each range weighted by its noise. Where no noise is stated, it is that of the
 /// residuals, of which ten more are wanted than coefficients.
-/// Faults: bad_data where a number is not finite, a range not above 0, or only some have an sd;
+/// Faults: bad_data where a number is not finite, a range not above 0 or half as wrong as it is
+/// long, or only some have an sd;
 /// degenerate where there are too few ranges or they do not determine the polynomial.
 Outcome<LaserCalibration> calibrate_laser(std::span<const CalibrationRange> ranges, int order);
 

@@ -1,5 +1,8 @@
 #include "sensors/laser/laser_features.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
 #include "sensors/laser/breakpoints.h"
@@ -153,6 +156,19 @@ void LaserFeatures::fit_all(const LaserNoise& noise, const UncertainBiases& bias
   }
 }
 
+/// Says how near the segments came to being lines.
+Fault LaserFeatures::nothing_fits(const LaserNoise& noise) const {
+  double least = INFINITY;
+  for (const ReadingRun& run : scan_.runs())
+    if (const auto line = fit_laser_line(scan_.points_of(run), noise); line && run.size() > 2)
+      least = std::min(least, line->chi_squared / static_cast<double>(run.size() - 2));
+  return {
+      FaultKind::no_detection,
+      fmt::format("none of {} segments is a line or an arc: chi² of a line is {:.3g} a degree of "
+                  "freedom or more, largest_misfit is {:g}",
+                  scan_.runs().size(), least, options_.model.largest_misfit)};
+}
+
 Outcome<> LaserFeatures::evaluate(const Evaluation& evaluation, Output& output) {
   const Estimate& scan = evaluation.input(0);
   const LaserNoise noise = noise_of(scan);
@@ -160,8 +176,7 @@ Outcome<> LaserFeatures::evaluate(const Evaluation& evaluation, Output& output) 
     return Fault{FaultKind::no_error_known, "the laser's ranges need a range_std or a quantum"};
   if (auto read = scan_.read(*evaluation.inputs[0]); !read) return read;
   fit_all(noise, uncertain_biases(scan));
-  if (segments_.empty())
-    return Fault{FaultKind::no_detection, "no segment of the scan is a line or an arc"};
+  if (segments_.empty()) return nothing_fits(noise);
   LaserFeatureWriter writer(evaluation, noise, output, spare_);
   for (std::size_t i = 1; i < segments_.size(); ++i)
     segments_[i].meets_before = is_real_corner(segments_[i - 1], segments_[i], noise);

@@ -67,6 +67,7 @@ class LaserFeatures final : public Module {
   bool is_real_corner(const LaserSegment& before, const LaserSegment& after,
                       const LaserNoise& noise) const;
   bool is_within_reach(const ScanPoint& place, const LaserSegment& segment) const;
+  Fault nothing_fits(const LaserNoise& noise) const;
   void fit_all(const LaserNoise& noise, const UncertainBiases& biases);
   void extend(LaserSegment& segment, std::size_t begin, std::size_t end, const LaserNoise& noise,
               const UncertainBiases& biases) const;

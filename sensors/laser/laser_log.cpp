@@ -21,7 +21,8 @@ void LaserLog::Options::declare(OptionVisitor& visit) {
   visit("min_range", min_range, "less is no return: codes of the device",
         {.unit = "m", .minimum = 0});
   visit("no_return", no_return, "this and more is no return", {.unit = "m", .minimum = 0});
-  visit("field_of_view", field_of_view, "of a CSV's scans", {.unit = "rad", .minimum = 0});
+  visit("field_of_view", field_of_view, "from the first to the last range of a CSV's scans",
+        {.unit = "rad", .minimum = 0, .maximum = 6.2831853071795865});
   visit("first", first, "the scan to start with", {.minimum = 0});
   visit("skip_bad", skip_bad, "leave out lines that are no scan, instead of a fault");
   visit("frame", frame, "name of the laser's frame, x forward and y to the left");
@@ -33,6 +34,8 @@ Interface LaserLog::interface(const Options& options) {
 
 void LaserLog::reset() {
   next_ = 0;
+  beams_ = 0;
+  time_ = -INFINITY;
   passed_ = 0;
   skipped_ = {};
 }
@@ -62,6 +65,21 @@ void LaserLog::emit(const Evaluation& evaluation, const LaserRecord& record, Out
   output.acquired = evaluation.time;
 }
 
+/// Whether a CSV's scan is like the one before it: nothing else tells a cut line, or one without
+/// its time.
+Outcome<> LaserLog::goes_on(const LaserRecord& record) const {
+  if (options_.format != LaserLogFormat::csv || beams_ == 0) return {};
+  if (record.ranges.size() != beams_)
+    return Fault{FaultKind::bad_data, fmt::format("{} ranges; expected {}, as in the scan before",
+                                                  record.ranges.size(), beams_)};
+  if (!(record.time > time_))
+    return Fault{FaultKind::bad_data,
+                 fmt::format("the time, {:g} s, is not after the scan before, {:g} s; the first "
+                             "number of a line is its time",
+                             record.time, time_)};
+  return {};
+}
+
 Outcome<> LaserLog::evaluate(const Evaluation& evaluation, Output& output) {
   if (log_ == nullptr) {
     auto opened = TextLog::open(options_.file);
@@ -77,13 +95,16 @@ Outcome<> LaserLog::evaluate(const Evaluation& evaluation, Output& output) {
       ++passed_;
       continue;
     }
-    if (!record) {
-      Fault fault{record.fault().kind, fmt::format("{}:{}: {}", options_.file.string(), line + 1,
-                                                   record.fault().message)};
+    const Outcome<> good = record ? goes_on(**record) : Outcome<>(record.fault());
+    if (!good) {
+      Fault fault{good.fault().kind,
+                  fmt::format("{}:{}: {}", options_.file.string(), line + 1, good.fault().message)};
       if (!options_.skip_bad) return fault;
       skipped_.add(fault);
       continue;
     }
+    beams_ = (*record)->ranges.size();
+    time_ = (*record)->time;
     emit(evaluation, **record, output);
     return {};
   }

@@ -52,6 +52,16 @@ class Words {
     return value;
   }
 
+  /// The next word as a range; infinite ones, as some drivers write, are no return: 0.
+  Outcome<double> range() {
+    Words after = *this;
+    const std::string_view word = after.next();
+    if (word != "inf" && word != "Inf" && word != "+inf" && word != "Infinity")
+      return number("a range");
+    *this = after;
+    return 0.0;
+  }
+
  private:
   std::string_view rest_;
   std::string_view separators_;
@@ -162,7 +172,7 @@ Outcome<std::optional<LaserRecord>> parse_laser_csv(std::string_view line, doubl
   if (!time) return time.fault();
   record.time = *time;
   while (!words.at_end()) {
-    const auto range = words.number("a range");
+    const auto range = words.range();
     if (!range) return range.fault();
     record.ranges.push_back(*range);
   }

@@ -35,9 +35,10 @@ Outcome<std::optional<LaserRecord>> parse_carmen(std::string_view line, CarmenMe
 /// time in us, then ranges in mm over 240 degrees; 682 steps of 360/1024 degrees. Faults: bad_data.
 Outcome<std::optional<LaserRecord>> parse_urg(std::string_view line);
 
-/// Reads a line of comma-separated values: the time in s, then ranges in m over `field_of_view`
-/// (rad), the same to either side. Nothing for an empty line, a comment (#) or a header. Faults:
-/// bad_data.
+/// Reads a line of comma-separated values (commas, blanks or tabs): the time in s, then ranges in m
+/// from the right to the left, the first and the last `field_of_view` (rad) apart and the same to
+/// either side. `inf` is no return, as is 0. Nothing for an empty line, a comment (#) or a header.
+/// Faults: bad_data.
 Outcome<std::optional<LaserRecord>> parse_laser_csv(std::string_view line, double field_of_view);
 
 }  // namespace ilss

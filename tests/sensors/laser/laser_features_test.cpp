@@ -438,7 +438,8 @@ TEST(LaserFeatures, ReadingsBesideASegmentThatLieOnItAreIts) {
   ExactScene scene;
   scene.runs[0].begin += 5;
   scene.runs[0].end -= 5;
-  const auto lines = elements_of<LineSegment>(features_of(scene.scan()).output);
+  const ModuleRun result = features_of(scene.scan());
+  const auto lines = elements_of<LineSegment>(result.output);
   ASSERT_FALSE(lines.empty());
   const auto line = payload_of<LineSegment>(*lines[0]);
   EXPECT_EQ(line.first_reading, static_cast<double>(scene.runs[0].begin - 5));

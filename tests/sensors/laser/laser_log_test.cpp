@@ -97,6 +97,47 @@ TEST(LaserLog, ABadLineIsAFaultWithItsPlaceOrLeftOut) {
   EXPECT_EQ(tolerant.note(), "");
 }
 
+/// What a run of a CSV's scans gives, tick by tick: "output" or the fault.
+std::vector<std::string> outcomes_of_csv(const std::string& text) {
+  LaserLog::Options options;
+  options.file = written("laser_log_csv.csv", text);
+  options.format = LaserLogFormat::csv;
+  LaserLog log(options);
+  std::vector<std::string> outcomes;
+  for (int i = 0; i < 3; ++i) {
+    const ModuleRun result = run(log, {});
+    outcomes.push_back(fault_of(result.outcome));
+    if (result.outcome.is_fault()) outcomes.back() += ": " + result.outcome.fault().message;
+  }
+  return outcomes;
+}
+
+TEST(LaserLog, ACsvsScansAreAllAsLong) {
+  const auto outcomes = outcomes_of_csv("0,1,1,1,1\n0.1,1,1,1\n0.2,1,1,1,1\n");
+  EXPECT_EQ(outcomes[0], "output");
+  EXPECT_TRUE(outcomes[1].ends_with(":2: 3 ranges; expected 4, as in the scan before"))
+      << outcomes[1];
+  EXPECT_EQ(outcomes[2], "output");
+}
+
+TEST(LaserLog, ACsvsTimesRise) {
+  const auto outcomes = outcomes_of_csv("1.02,1,1,1\n1.01,1,1,1\n1.03,1,1,1\n");
+  EXPECT_EQ(outcomes[0], "output");
+  EXPECT_NE(outcomes[1].find(":2: the time, 1.01 s, is not after"), std::string::npos)
+      << outcomes[1];
+  EXPECT_EQ(outcomes[2], "output");
+}
+
+TEST(LaserLog, AnInfiniteRangeOfACsvIsNoReturn) {
+  LaserLog::Options options;
+  options.file = written("laser_log_inf.csv", "0,1,inf,1\n");
+  options.format = LaserLogFormat::csv;
+  LaserLog log(options);
+  const ModuleRun result = run(log, {});
+  ASSERT_TRUE(result.outcome);
+  EXPECT_EQ(beams_of(result.output)[1].range, 0);
+}
+
 TEST(LaserLog, FilesWithoutScansAreDeviceLost) {
   const std::string binary("\0\1\2\3", 4);
   for (const auto& path :

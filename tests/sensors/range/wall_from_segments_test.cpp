@@ -10,7 +10,7 @@ namespace {
 
 Estimate segment(double start_x, double start_z, double end_x, double end_z, std::uint32_t owner) {
   Estimate element(descriptor<LineSegment>(), "lep");
-  element.value = {1, 1, start_x, start_z, end_x, end_z, 20};
+  element.value = {1, 1, start_x, start_z, end_x, end_z, 20, 0, 19};
   element.labels = {0};
   const std::vector<double> column = {9, 8, 1, 2, 3, 4, 0, 0, 0};
   element.lineage.add({owner, 0, 3}, column);
