@@ -122,7 +122,7 @@ std::string report_yaml(const Report& report) {
   const LaserCalibration& calibration = report.calibration;
   std::string text = fmt::format(
       "# Laser, calibrated on {} ranges of {:.3f} to {:.3f} m; sd about the polynomial {:.3g} mm.\n"
-      "# A graph takes it as constants: {{laser: {{file: ...}}}} and then $laser.bias_0, ...\n"
+      "# A graph takes it as constants: {{ranges: {{file: ...}}}} and then $ranges.bias_0, ...\n"
       "value:\n",
       calibration.points, calibration.least_range, calibration.reference,
       1e3 * calibration.range_std);

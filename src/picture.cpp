@@ -154,7 +154,7 @@ DrawnLayer draw_laser_scan(const Plan& plan, std::size_t node, const Output& sca
     if (!(beam.range > 0)) continue;
     const double bearing = mount[2] - beam.bearing;
     const Eigen::Vector2d along(std::sin(bearing), std::cos(bearing));
-    points.push_back(origin + beam.range * along);
+    points.emplace_back(origin + beam.range * along);
     drawn.layer.readings.push_back({points.back(), deviation * along});
   }
   if (!points.empty())

@@ -70,7 +70,16 @@ struct Normals {
 
 Normals accumulate(std::span<const ScanPoint> points, const Circle& circle,
                    const LaserNoise& noise) {
-  double xx = 0, xy = 0, x1 = 0, yy = 0, y1 = 0, one = 0, xe = 0, ye = 0, e1 = 0, ee = 0;
+  double xx = 0;
+  double xy = 0;
+  double x1 = 0;
+  double yy = 0;
+  double y1 = 0;
+  double one = 0;
+  double xe = 0;
+  double ye = 0;
+  double e1 = 0;
+  double ee = 0;
   for (const ScanPoint& p : points) {
     const ArcResidual r = residual_of(p, circle, noise);
     const double wx = r.weight * r.by_circle.x();
@@ -96,7 +105,8 @@ Normals accumulate(std::span<const ScanPoint> points, const Circle& circle,
 
 /// The circle x² + y² = a x + b y + c of least squares, about the points' mean (Kåsa).
 std::optional<Vector3> algebraic_circle(std::span<const ScanPoint> points) {
-  double x = 0, y = 0;
+  double x = 0;
+  double y = 0;
   for (const ScanPoint& p : points) {
     x += p.x;
     y += p.y;
@@ -104,7 +114,12 @@ std::optional<Vector3> algebraic_circle(std::span<const ScanPoint> points) {
   const auto n = static_cast<double>(points.size());
   x /= n;
   y /= n;
-  double xx = 0, xy = 0, yy = 0, xq = 0, yq = 0, q = 0;
+  double xx = 0;
+  double xy = 0;
+  double yy = 0;
+  double xq = 0;
+  double yq = 0;
+  double q = 0;
   for (const ScanPoint& p : points) {
     const double dx = p.x - x;
     const double dy = p.y - y;

@@ -19,7 +19,6 @@ constexpr std::uint32_t column_of_first_edge = 6;
 constexpr std::uint32_t column_of_last_edge = 7;
 
 constexpr Eigen::Index scan_size = dimension_of<SegmentedScan>;
-constexpr Eigen::Index mount_size = 3;
 constexpr auto bias_column = static_cast<Eigen::Index>(first_bias);
 constexpr auto bias_count = static_cast<Eigen::Index>(range_biases);
 

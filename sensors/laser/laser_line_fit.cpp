@@ -17,9 +17,15 @@ struct Normal {
 /// Sums over the readings of w, w g, ..., with the residual e across the line and the coordinate g
 /// along it from the foot of the perpendicular.
 struct Sums {
-  double w = 0, wg = 0, wgg = 0;
-  double we = 0, wge = 0, wee = 0;
-  double wggg = 0, wgggg = 0, wgge = 0;
+  double w = 0;
+  double wg = 0;
+  double wgg = 0;
+  double we = 0;
+  double wge = 0;
+  double wee = 0;
+  double wggg = 0;
+  double wgggg = 0;
+  double wgge = 0;
   double least_incidence = 1;  ///< of the cosines between beams and normal
 };
 
@@ -53,7 +59,8 @@ Sums accumulate(std::span<const ScanPoint> points, const LaserNoise& noise, cons
 /// The best line with every reading the same weight and error in both directions: theta by the
 /// paper's closed form, with the arctangent of two arguments that it needs.
 Normal total_least_squares(std::span<const ScanPoint> points) {
-  double x = 0, y = 0;
+  double x = 0;
+  double y = 0;
   for (const ScanPoint& p : points) {
     x += p.x;
     y += p.y;
@@ -61,7 +68,9 @@ Normal total_least_squares(std::span<const ScanPoint> points) {
   const auto n = static_cast<double>(points.size());
   x /= n;
   y /= n;
-  double xx = 0, xy = 0, yy = 0;
+  double xx = 0;
+  double xy = 0;
+  double yy = 0;
   for (const ScanPoint& p : points) {
     xx += (p.x - x) * (p.x - x);
     xy += (p.x - x) * (p.y - y);

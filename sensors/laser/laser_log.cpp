@@ -35,7 +35,7 @@ Interface LaserLog::interface(const Options& options) {
 void LaserLog::reset() {
   next_ = 0;
   beams_ = 0;
-  time_ = -INFINITY;
+  time_ = -std::numeric_limits<double>::infinity();
   passed_ = 0;
   skipped_ = {};
 }

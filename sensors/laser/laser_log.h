@@ -2,8 +2,8 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,8 +29,8 @@ constexpr std::array<std::string_view, 5> choices(LaserLogFormat) {
 /// Ticks follow the run's clock, not the log's. A CSV has the time in s, then ranges in m from the
 /// right to the left; its times rise and all its scans have as many ranges.
 /// Faults, with file and line: bad_data where a line is no scan (with `skip_bad` left out and
-/// counted);/// end_of_data after the last scan; device_lost where the file cannot be read or has
-/// no scan.
+/// counted); end_of_data after the last scan; device_lost where the file cannot be read or has no
+/// scan.
 class LaserLog final : public Module {
  public:
   static constexpr std::string_view name = "laser_log";
@@ -72,7 +72,8 @@ class LaserLog final : public Module {
   std::size_t next_ = 0;     ///< line
   std::int64_t passed_ = 0;  ///< scans before the first wanted one
   std::size_t beams_ = 0;    ///< of the last scan
-  double time_ = -INFINITY;  ///< of the last scan, by the log's clock
+  double time_ =
+      -std::numeric_limits<double>::infinity();  ///< of the last scan, by the log's clock
   SkippedLines skipped_;
 };
 

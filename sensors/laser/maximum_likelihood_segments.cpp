@@ -17,23 +17,20 @@ void MaximumLikelihoodSegments::Options::declare(OptionVisitor& visit) {
         {.minimum = 1, .maximum = 100});
 }
 
-/// Chi² of a piece as the better of line and arc, and with it the piece's cost.
-double MaximumLikelihoodSegments::chi_squared(std::size_t begin, std::size_t end,
-                                              double& cost) const {
+/// The cost of a piece as the better of line and arc, and what chi² longer ones have at least:
+/// theirs may be an arc where this one's is not yet told.
+double MaximumLikelihoodSegments::least_chi_squared(std::size_t begin, std::size_t end,
+                                                    double& cost) const {
   const CurveMoments moments = sums_.of(begin, end);
   const double line = moments.line_chi_squared();
-  double best = line;
   cost = line + options_.line_cost;
+  if (!(options_.largest_radius > 0)) return line;
   constexpr std::size_t least_of_arc = 6;
-  if (line > options_.arc_cost - options_.line_cost && end - begin >= least_of_arc &&
-      options_.largest_radius > 0) {
-    const CircleCost circle = moments.circle();
-    // Longer pieces may need the circle although this one does not believe its radius.
-    best = std::min(best, circle.chi_squared);
-    if (circle.radius >= options_.least_radius && circle.radius <= options_.largest_radius)
-      cost = std::min(cost, circle.chi_squared + options_.arc_cost);
-  }
-  return best;
+  if (line <= options_.arc_cost - options_.line_cost || end - begin < least_of_arc) return 0;
+  const CircleCost circle = moments.circle();
+  if (circle.radius >= options_.least_radius && circle.radius <= options_.largest_radius)
+    cost = std::min(cost, circle.chi_squared + options_.arc_cost);
+  return std::min(line, circle.chi_squared);
 }
 
 void MaximumLikelihoodSegments::solve(std::size_t readings) {
@@ -53,7 +50,7 @@ void MaximumLikelihoodSegments::solve(std::size_t readings) {
       double least = 0;
       if (end - begin >= least_of_segment) {
         double cost = 0;
-        least = chi_squared(begin, end, cost);
+        least = least_chi_squared(begin, end, cost);
         const double total = solutions_[from].cost + cost;
         if (total < best.cost) best = {total, from, true};
       }
@@ -135,8 +132,11 @@ void MaximumLikelihoodSegments::move_ends(std::span<const ScanPoint> points,
   }
 }
 
-void MaximumLikelihoodSegments::segment(std::span<const ScanPoint> points, const LaserNoise& noise,
+void MaximumLikelihoodSegments::segment(std::span<const ScanPoint> points, const LaserNoise& stated,
                                         std::vector<ReadingRun>& runs) {
+  LaserNoise noise = stated;
+  constexpr double least_deviation = 1e-4;  // m: exact readings would weigh without bound
+  noise.range_variance = std::max(noise.range_variance, least_deviation * least_deviation);
   sums_.set(points, noise);
   solve(points.size());
   const std::size_t before = runs.size();

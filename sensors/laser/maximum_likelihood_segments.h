@@ -45,7 +45,7 @@ class MaximumLikelihoodSegments {
     bool is_segment;    ///< the last piece; otherwise outliers
   };
 
-  double chi_squared(std::size_t begin, std::size_t end, double& cost) const;
+  double least_chi_squared(std::size_t begin, std::size_t end, double& cost) const;
   void solve(std::size_t readings);
   LaserModelRule model() const;
   double exact_cost(std::span<const ScanPoint> points, const LaserNoise& noise,
