@@ -34,7 +34,7 @@ class MaximumLikelihoodSegments {
 
   explicit MaximumLikelihoodSegments(const Options& options) : options_(options) {}
 
-  void segment(std::span<const ScanPoint> points, const LaserNoise& noise,
+  void segment(std::span<const ScanPoint> points, const LaserNoise& stated,
                std::vector<ReadingRun>& runs);
 
  private:
