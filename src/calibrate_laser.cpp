@@ -5,6 +5,7 @@
 
 #include "framework/estimate/consistency.h"
 #include "sensors/laser/laser_calibration.h"
+#include "sensors/laser/laser_correction.h"
 #include "src/calibration_output.h"
 #include "src/calibration_table.h"
 #include "src/estimate_json.h"
@@ -38,10 +39,8 @@ std::pair<double, double> bias_at(const LaserCalibration& calibration, double ra
   double power = 1;
   for (Eigen::Index k = 0; k < powers.size(); ++k, power *= range / calibration.reference)
     powers[k] = power;
-  double bias = 0;
-  for (Eigen::Index k = 0; k < powers.size(); ++k)
-    bias += powers[k] * calibration.bias[static_cast<std::size_t>(k)];
-  return {bias, std::sqrt((powers * calibration.covariance * powers.transpose()).value())};
+  return {range_bias(calibration.bias, range / calibration.reference),
+          std::sqrt((powers * calibration.covariance * powers.transpose()).value())};
 }
 
 std::string misfit_text(const LaserCalibration& calibration) {

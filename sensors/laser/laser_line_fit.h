@@ -51,9 +51,4 @@ std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
 /// not meet the line.
 double squared_residual(const LaserLineFit& line, const ScanPoint& p, const LaserNoise& noise);
 
-/// The line's distance along a beam (m); negative or not finite where the beam does not meet it.
-inline double range_of(const LaserLineFit& line, const ScanPoint& beam) {
-  return line.rho / (std::cos(line.alpha) * beam.cosine + std::sin(line.alpha) * beam.sine);
-}
-
 }  // namespace ilss
