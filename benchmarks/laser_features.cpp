@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "framework/module/registry.h"
-#include "sensors/laser/laser_log.h"
-#include "sensors/laser/segmented_scan.h"
-#include "sensors/range/range_features.h"
+#include "sensors/features/range_features.h"
+#include "sensors/laser/acquire/laser_log.h"
+#include "sensors/laser/segment/segmented_scan.h"
 #include "sensors/register.h"
 
 namespace {

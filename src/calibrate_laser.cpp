@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "framework/estimate/consistency.h"
-#include "sensors/laser/laser_calibration.h"
-#include "sensors/laser/laser_correction.h"
+#include "framework/report/estimate_json.h"
+#include "framework/report/text_table.h"
+#include "sensors/laser/acquire/laser_calibration.h"
+#include "sensors/laser/acquire/laser_correction.h"
 #include "src/calibration_output.h"
 #include "src/calibration_table.h"
-#include "src/estimate_json.h"
 #include "src/session.h"
-#include "src/text_table.h"
 
 namespace ilss {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "framework/estimate/consistency.h"
-#include "src/text_table.h"
+#include "framework/report/text_table.h"
 
 namespace ilss {
 namespace {

@@ -3,11 +3,11 @@
 
 #include <string>
 
+#include "framework/report/estimate_json.h"
 #include "sensors/lep/lep_calibration.h"
 #include "sensors/lep/lep_noise.h"
 #include "sensors/lep/lep_scan_origin.h"
 #include "sensors/lep/lep_table.h"
-#include "src/estimate_json.h"
 
 namespace ilss {
 

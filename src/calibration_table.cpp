@@ -7,7 +7,7 @@
 #include <string>
 
 #include "framework/estimate/units.h"
-#include "framework/graph/recording.h"
+#include "framework/record/table.h"
 
 namespace ilss {
 namespace {
@@ -31,7 +31,7 @@ struct FoundColumn {
   UnitConversion conversion;
 };
 
-std::optional<FoundColumn> find_column(const Recording& recording, const TableColumn& wanted,
+std::optional<FoundColumn> find_column(const Table& recording, const TableColumn& wanted,
                                        Position file, Diagnostics& diagnostics) {
   std::vector<std::string> names;
   std::optional<FoundColumn> found;
@@ -66,11 +66,11 @@ std::optional<FoundColumn> find_column(const Recording& recording, const TableCo
   return found;
 }
 
-void read_column(const Recording& recording, const FoundColumn& column, const TableColumn& wanted,
+void read_column(const Table& recording, const FoundColumn& column, const TableColumn& wanted,
                  std::vector<double>& numbers, Diagnostics& diagnostics) {
   numbers.reserve(recording.rows.size());
   for (const auto& row : recording.rows) {
-    const RecordedCell& cell = row[column.index];
+    const TableCell& cell = row[column.index];
     const auto number = parse_quantity(cell.text, "1");
     const auto* value = std::get_if<double>(&number);
     const double si =
@@ -92,7 +92,7 @@ CalibrationTable read_calibration_table(const std::filesystem::path& path,
                                         Diagnostics& diagnostics) {
   CalibrationTable table;
   const std::size_t errors = diagnostics.size();
-  const Recording recording = read_recording(path, diagnostics);
+  const Table recording = read_table(path, diagnostics);
   if (diagnostics.size() != errors) return table;
   Diagnostics none;
   const Position file{parse_document("", path.string(), none).position.file, 0, 0};

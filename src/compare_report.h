@@ -3,9 +3,9 @@
 
 #include <string>
 
+#include "framework/report/estimate_json.h"
 #include "framework/study/comparison.h"
 #include "framework/study/set_comparison.h"
-#include "src/estimate_json.h"
 
 namespace ilss {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/report/estimate_text.h"
+#include "framework/report/text_table.h"
 #include "src/compare_report.h"
-#include "src/estimate_text.h"
-#include "src/text_table.h"
 
 namespace ilss {
 namespace {

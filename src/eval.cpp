@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include "framework/graph/value_reader.h"
-#include "src/estimate_json.h"
-#include "src/estimate_text.h"
+#include "framework/report/estimate_json.h"
+#include "framework/report/estimate_text.h"
+#include "framework/report/set_text.h"
 #include "src/session.h"
-#include "src/set_text.h"
 
 namespace ilss {
 namespace {

@@ -6,7 +6,7 @@
 #include <array>
 #include <filesystem>
 
-#include "src/estimate_json.h"
+#include "framework/report/estimate_json.h"
 #include "src/session.h"
 
 namespace ilss {

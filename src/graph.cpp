@@ -13,7 +13,7 @@
 #include <fstream>
 
 #include "framework/graph/dot.h"
-#include "src/estimate_json.h"
+#include "framework/report/estimate_json.h"
 #include "src/session.h"
 
 namespace ilss {

@@ -1,8 +1,8 @@
 // `ilss modules`: what module types there are, and all that is declared of one.
 #include <fmt/format.h>
 
-#include "src/command_report.h"
-#include "src/estimate_json.h"
+#include "framework/report/command_report.h"
+#include "framework/report/estimate_json.h"
 #include "src/session.h"
 
 namespace ilss {

@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 
-#include "sensors/laser/laser_features.h"
-#include "sensors/range/range_features.h"
+#include "framework/report/set_text.h"
+#include "sensors/features/range_features.h"
+#include "sensors/laser/features/laser_features.h"
 #include "sensors/range/range_scan.h"
-#include "src/set_text.h"
 
 namespace ilss {
 namespace {

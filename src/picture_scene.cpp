@@ -1,6 +1,6 @@
 #include "src/picture_scene.h"
 
-#include "sensors/laser/laser_scene.h"
+#include "sensors/laser/simulate/laser_scene.h"
 #include "sensors/lep/lep_sensor.h"
 
 namespace ilss {

@@ -9,9 +9,9 @@
 #include <numbers>
 #include <sstream>
 
-#include "src/error_ellipse.h"
-#include "src/estimate_text.h"
-#include "src/svg.h"
+#include "framework/report/error_ellipse.h"
+#include "framework/report/estimate_text.h"
+#include "framework/report/svg.h"
 
 namespace ilss {
 namespace {

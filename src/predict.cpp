@@ -7,11 +7,11 @@
 
 #include "framework/graph/correlation.h"
 #include "framework/graph/value_reader.h"
-#include "src/estimate_json.h"
-#include "src/estimate_text.h"
-#include "src/prediction_text.h"
+#include "framework/report/estimate_json.h"
+#include "framework/report/estimate_text.h"
+#include "framework/report/prediction_text.h"
+#include "framework/report/set_text.h"
 #include "src/session.h"
-#include "src/set_text.h"
 
 namespace ilss {
 namespace {

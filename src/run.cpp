@@ -12,16 +12,16 @@
 #include <limits>
 
 #include "framework/estimate/units.h"
+#include "framework/report/command_report.h"
+#include "framework/report/estimate_json.h"
+#include "framework/report/estimate_text.h"
+#include "framework/report/set_text.h"
 #include "framework/runtime/agreement.h"
 #include "framework/runtime/runner.h"
-#include "src/command_report.h"
-#include "src/estimate_json.h"
-#include "src/estimate_text.h"
 #include "src/feature_file.h"
 #include "src/picture.h"
 #include "src/picture_svg.h"
 #include "src/session.h"
-#include "src/set_text.h"
 
 namespace ilss {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "framework/estimate/units.h"
-#include "framework/graph/recording.h"
+#include "framework/record/table.h"
 
 namespace ilss {
 namespace {
@@ -103,21 +103,21 @@ Distribution read_samples(const Node& node, double& deviation, Diagnostics& diag
     diagnostics.add(file->position, fmt::format("there is no file '{}'", path.string()));
     return result;
   }
-  const Recording recording = read_recording(path, diagnostics);
+  const Table table = read_table(path, diagnostics);
   if (diagnostics.size() != errors) return result;
-  const auto index = column != nullptr               ? recording.find(column->text)
-                     : recording.columns.size() == 1 ? std::optional<std::size_t>(0)
-                                                     : std::nullopt;
+  const auto index = column != nullptr           ? table.find(column->text)
+                     : table.columns.size() == 1 ? std::optional<std::size_t>(0)
+                                                 : std::nullopt;
   if (!index) {
     diagnostics.add(column != nullptr ? column->position : node.position,
                     column != nullptr ? fmt::format("there is no column '{}'{}", column->text,
-                                                    suggestion(column->text, recording.columns))
+                                                    suggestion(column->text, table.columns))
                                       : fmt::format("samples need a column: one of {}",
-                                                    fmt::join(recording.columns, ", ")));
+                                                    fmt::join(table.columns, ", ")));
     return result;
   }
   auto samples = std::make_shared<std::vector<double>>();
-  for (const auto& row : recording.rows) {
+  for (const auto& row : table.rows) {
     const auto number = parse_quantity(row[*index].text, "1");
     if (const auto* error = std::get_if<std::string>(&number))
       diagnostics.add(row[*index].position, *error);

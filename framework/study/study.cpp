@@ -6,8 +6,8 @@
 #include <map>
 
 #include "framework/estimate/units.h"
-#include "framework/graph/recording.h"
 #include "framework/graph/value_reader.h"
+#include "framework/record/table.h"
 #include "framework/study/judge_reader.h"
 #include "framework/study/study_settings.h"
 
@@ -80,7 +80,7 @@ class StudyReader {
   Side read_side(const std::string& name, const Node& node, Position position);
   void read_rows(const Node& node, Side& side);
   std::optional<std::size_t> read_column(const Node& node, const Component& component,
-                                         const Recording& recording, UnitConversion& conversion);
+                                         const Table& recording, UnitConversion& conversion);
   std::vector<Side> read_alternatives();
   void check_kinds(const std::vector<Side>& sides);
   void add_recorded_cases(const std::vector<Side>& sides);
@@ -88,14 +88,14 @@ class StudyReader {
   void add_system_cases(const std::vector<Side>& sides);
   void check_constants(const std::vector<Side>& sides, std::vector<Setting>& settings);
   std::optional<Plan> read_plan_of(const Side& side, const Setting& setting);
-  const Recording& recording(const Node& path);
+  const Table& recording(const Node& path);
 
   const Node& root_;
   std::filesystem::path directory_;
   const Registry& registry_;
   Diagnostics& diagnostics_;
   Study study_;
-  std::map<std::filesystem::path, Recording> recordings_;
+  std::map<std::filesystem::path, Table> recordings_;
   std::optional<Side> tolerated_;
 };
 
@@ -232,11 +232,11 @@ Side StudyReader::read_side(const std::string& name, const Node& node, Position 
   return side;
 }
 
-const Recording& StudyReader::recording(const Node& path) {
+const Table& StudyReader::recording(const Node& path) {
   const std::filesystem::path file = directory_ / path.text;
   const auto known = recordings_.find(file);
   if (known != recordings_.end()) return known->second;
-  return recordings_[file] = read_recording(file, diagnostics_);
+  return recordings_[file] = read_table(file, diagnostics_);
 }
 
 void StudyReader::read_rows(const Node& node, Side& side) {
@@ -252,7 +252,7 @@ void StudyReader::read_rows(const Node& node, Side& side) {
   }
   check_map_keys(*columns, study_.payload->name, component_names(*study_.payload), diagnostics_);
   if (!path.is_scalar()) return;
-  const Recording& table = recording(path);
+  const Table& table = recording(path);
   if (table.columns.empty()) return;
   for (const Component& component : study_.payload->components)
     if (columns->find(component.name) == nullptr)
@@ -267,7 +267,7 @@ void StudyReader::read_rows(const Node& node, Side& side) {
     const auto column = read_column(*node_of_column, component, table, conversion);
     if (!column) continue;
     for (std::size_t r = 0; r < table.rows.size(); ++r) {
-      const RecordedCell& cell = table.rows[r][*column];
+      const TableCell& cell = table.rows[r][*column];
       if (cell.text.empty()) {
         side.rows[r] = Fault{FaultKind::no_detection,
                              fmt::format("the recording has no '{}' here", component.name)};
@@ -286,7 +286,7 @@ void StudyReader::read_rows(const Node& node, Side& side) {
 }
 
 std::optional<std::size_t> StudyReader::read_column(const Node& node, const Component& component,
-                                                    const Recording& recording,
+                                                    const Table& recording,
                                                     UnitConversion& conversion) {
   if (!node.is_map()) {
     diagnostics_.add(node.position,
@@ -377,7 +377,7 @@ std::vector<std::string> StudyReader::read_recorded_names(std::size_t rows) {
     return names;
   }
   check_map_keys(*cases, "cases", {"recorded", "name"}, diagnostics_);
-  const Recording& table = recording(*path);
+  const Table& table = recording(*path);
   if (table.columns.empty()) return names;
   const auto column = table.find(column_node->text);
   if (!column) {

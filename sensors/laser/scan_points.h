@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sensors/laser/segmented_scan.h"
+#include "sensors/laser/segment/segmented_scan.h"
 
 namespace ilss {
 

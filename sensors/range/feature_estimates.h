@@ -4,7 +4,7 @@
 #include <span>
 
 #include "framework/module/module.h"
-#include "sensors/range/range_features.h"
+#include "sensors/features/range_features.h"
 #include "sensors/range/scan_lines.h"
 
 namespace ilss {

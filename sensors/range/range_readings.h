@@ -8,9 +8,9 @@
 #include <string>
 #include <string_view>
 
-#include "framework/module/csv_file.h"
 #include "framework/module/module_type.h"
-#include "framework/module/skipped_lines.h"
+#include "framework/record/csv_file.h"
+#include "framework/record/skipped_lines.h"
 #include "sensors/range/range_scan.h"
 
 namespace ilss {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/module/csv_file.h"
 #include "framework/module/module_type.h"
+#include "framework/record/csv_file.h"
 #include "sensors/scene/scene.h"
 #include "sensors/sonar/sonar_reading.h"
 

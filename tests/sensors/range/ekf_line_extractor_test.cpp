@@ -6,7 +6,7 @@
 #include <Eigen/LU>
 
 #include "framework/estimate/differentiate.h"
-#include "tests/sensors/range/feature_run.h"
+#include "tests/sensors/features/feature_run.h"
 #include "tests/sensors/range/scans.h"
 
 namespace ilss {

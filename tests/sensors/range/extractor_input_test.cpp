@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "sensors/range/ekf_line_extractor.h"
-#include "tests/sensors/range/feature_run.h"
+#include "tests/sensors/features/feature_run.h"
 #include "tests/sensors/range/scans.h"
 
 namespace ilss {

@@ -4,8 +4,8 @@
 #include <Eigen/Cholesky>
 
 #include "framework/estimate/distribution.h"
-#include "sensors/range/wall_from_segments.h"
-#include "tests/sensors/range/feature_run.h"
+#include "sensors/features/wall_from_segments.h"
+#include "tests/sensors/features/feature_run.h"
 
 namespace ilss {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/sensors/range/feature_run.h"
+#include "tests/sensors/features/feature_run.h"
 #include "tests/sensors/range/scans.h"
 
 namespace ilss {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <random>
 
-#include "tests/sensors/range/feature_run.h"
+#include "tests/sensors/features/feature_run.h"
 
 namespace ilss {
 namespace {

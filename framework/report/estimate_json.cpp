@@ -1,0 +1,168 @@
+#include "framework/report/estimate_json.h"
+
+#include <cmath>
+
+#include "framework/estimate/budget.h"
+#include "framework/report/estimate_text.h"
+
+namespace ilss {
+namespace {
+
+Json matrix_json(const Eigen::MatrixXd& matrix) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(matrix(i, j));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json one_output_json(const Output& output, const SourceOwners& owners,
+                     const VerdictReport& verdict) {
+  Json json = estimate_json(output.estimate, owners, verdict);
+  if (!output.samples.shape.empty()) json["samples"] = {{"shape", output.samples.shape}};
+  if (!output.estimate.type->element.empty()) {
+    Json features = Json::array();
+    for (const Estimate& element : output.elements)
+      features.push_back(estimate_json(element, owners, {.verdict = verdict.verdict}));
+    json["features"] = std::move(features);
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string json_text(const Json& json, bool on_one_line) {
+  return json.dump(on_one_line ? -1 : 2, ' ', false, Json::error_handler_t::replace);
+}
+
+Json estimate_json(const Estimate& estimate, const SourceOwners& owners,
+                   const VerdictReport& verdict) {
+  Json json;
+  json["type"] = estimate.type->name;
+  json["frame"] = estimate.frame;
+  Json components = Json::array();
+  for (std::size_t i = 0; i < estimate.dimension(); ++i)
+    components.push_back({{"name", estimate.type->components[i].name},
+                          {"unit", estimate.type->components[i].unit},
+                          {"value", estimate.value[i]},
+                          {"std", estimate.lineage.standard_deviation(i)}});
+  json["components"] = std::move(components);
+  if (!estimate.type->labels.empty()) {
+    Json labels = Json::object();
+    for (std::size_t i = 0; i < estimate.type->labels.size(); ++i) {
+      const Label& label = estimate.type->labels[i];
+      labels[label.name] = label.values[static_cast<std::size_t>(estimate.labels[i])];
+    }
+    json["labels"] = std::move(labels);
+  }
+  json["covariance"] = matrix_json(estimate.lineage.covariance());
+  if (estimate.correlation_unknown) json["correlation"] = "unknown";
+  Json entries = Json::array();
+  const std::vector<BudgetEntry> parts = budget(estimate.lineage);
+  for (const BudgetEntry& entry : parts)
+    entries.push_back({{"source", owners[entry.owner].name},
+                       {"kind", entry.persistent ? "systematic" : "random"},
+                       {"variance", entry.variance}});
+  json["budget"] = std::move(entries);
+  for (std::size_t i = 0; i < estimate.dimension(); ++i)
+    if (const double degrees = effective_degrees_of_freedom(parts, owners, i);
+        std::isfinite(degrees))
+      json["components"][i]["degrees_of_freedom"] = degrees;
+  json["verdict"] = verdict_name(verdict.verdict);
+  if (!verdict.reason.empty()) json["verdict_reason"] = verdict.reason;
+  if (verdict.bias.size() == estimate.dimension()) {
+    Json mean = Json::array();
+    Json standard_deviation = Json::array();
+    for (std::size_t i = 0; i < estimate.dimension(); ++i) {
+      mean.push_back(estimate.value[i] + verdict.bias[i]);
+      standard_deviation.push_back(corrected_deviation(estimate, verdict, i));
+    }
+    json["second_order"] = {{"mean", std::move(mean)}, {"std", std::move(standard_deviation)}};
+  }
+  return json;
+}
+
+Json monte_carlo_json(const MonteCarloOutput& result) {
+  Json json = {{"trials", result.trials}, {"faults", result.faults}};
+  if (result.faults > 0) json["fault"] = result.fault;
+  if (result.trials == 0) return json;
+  json["mean"] = std::vector<double>(result.mean.begin(), result.mean.end());
+  json["covariance"] = matrix_json(result.covariance);
+  Json intervals = Json::array();
+  for (const Interval& interval : result.interval)
+    intervals.push_back({interval.low, interval.high});
+  json["interval_95"] = std::move(intervals);
+  json["coverage"] = result.coverage;
+  json["joint_coverage"] = result.joint_coverage;
+  json["agreeing_digits"] = result.agreeing_digits;
+  return json;
+}
+
+Json fault_json(const Fault& fault, const std::string& module) {
+  return {{"kind", fault_name(fault.kind)}, {"message", fault.message}, {"module", module}};
+}
+
+Json outputs_json(const System& system, const SourceOwners& owners,
+                  const std::vector<VerdictReport>& verdicts) {
+  const std::vector<std::size_t>& nodes = system.plan().outputs;
+  const auto one = [&](std::size_t o) -> Json {
+    const NodeState& state = system.node(nodes[o]);
+    if (!state.outcome.has_output()) return nullptr;
+    return one_output_json(state.output, owners, verdicts[o]);
+  };
+  if (nodes.size() == 1) return one(0);
+  Json json;
+  Json outputs = Json::array();
+  Json cross = Json::array();
+  for (std::size_t a = 0; a < nodes.size(); ++a) {
+    outputs.push_back(one(a));
+    for (std::size_t b = a + 1; b < nodes.size(); ++b) {
+      const NodeState& first = system.node(nodes[a]);
+      const NodeState& second = system.node(nodes[b]);
+      if (!first.outcome.has_output() || !second.outcome.has_output()) continue;
+      const Eigen::MatrixXd covariance =
+          cross_covariance(first.output.estimate.lineage, second.output.estimate.lineage);
+      if (covariance.isZero(0)) continue;
+      cross.push_back({{"outputs", {a, b}}, {"covariance", matrix_json(covariance)}});
+    }
+  }
+  json["outputs"] = std::move(outputs);
+  json["cross_covariance"] = std::move(cross);
+  return json;
+}
+
+Json time_json(const TimePrediction& time, const Plan& plan) {
+  Json path = Json::array();
+  for (const std::size_t node : time.critical_path) path.push_back(plan.nodes[node].name);
+  Json unknown = Json::array();
+  for (const std::size_t node : time.unknown) unknown.push_back(plan.nodes[node].name);
+  // A sum with unknown parts is no time; what is known of it has a name of its own.
+  const bool known = time.unknown.empty();
+  Json json = {{"typical_s", known ? Json(time.typical) : Json(nullptr)},
+               {"worst_s", known ? Json(time.worst) : Json(nullptr)},
+               {"known_typical_s", time.typical},
+               {"known_worst_s", time.worst},
+               {"critical_path", std::move(path)},
+               {"unknown", std::move(unknown)}};
+  return json;
+}
+
+std::string outcome_name(const Outcome<>& outcome) {
+  if (outcome.has_output()) return "output";
+  return outcome.is_pending() ? "pending" : "fault";
+}
+
+SystemOutcome system_outcome(const System& system) {
+  const auto& outputs = system.plan().outputs;
+  SystemOutcome result{&system.node(outputs.front()).outcome, outputs.front()};
+  for (const std::size_t node : outputs) {
+    const Outcome<>& outcome = system.node(node).outcome;
+    if (outcome.is_fault()) return {&outcome, node};
+    if (outcome.is_pending()) result = {&outcome, node};
+  }
+  return result;
+}
+
+}  // namespace ilss

@@ -1,0 +1,119 @@
+#include "sensors/laser/acquire/laser_log.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace ilss {
+namespace {
+
+Fault lost(std::string message) { return {FaultKind::device_lost, std::move(message)}; }
+
+}  // namespace
+
+void LaserLog::Options::declare(OptionVisitor& visit) {
+  visit("file", file, "the log, plain or compressed by gzip", {.required = true});
+  visit("format", format, "of the log: a CARMEN message, URG-04LX, or time and ranges as CSV");
+  visit("range_std", range_std, "sd of a range's noise, by the data sheet",
+        {.unit = "m", .minimum = 0});
+  visit("bearing_std", bearing_std, "sd of a beam's bearing", {.unit = "rad", .minimum = 0});
+  visit("quantum", quantum, "step in which the log tells ranges", {.unit = "m", .minimum = 0});
+  visit("min_range", min_range, "less is no return: codes of the device",
+        {.unit = "m", .minimum = 0});
+  visit("no_return", no_return, "this and more is no return", {.unit = "m", .minimum = 0});
+  visit("field_of_view", field_of_view, "from the first to the last range of a CSV's scans",
+        {.unit = "rad", .minimum = 0, .maximum = 6.2831853071795865});
+  visit("first", first, "the scan to start with", {.minimum = 0});
+  visit("skip_bad", skip_bad, "leave out lines that are no scan, instead of a fault");
+  visit("frame", frame, "name of the laser's frame, x forward and y to the left");
+}
+
+Interface LaserLog::interface(const Options& options) {
+  return {.inputs = {}, .output = &descriptor<LaserScan>(), .frame = options.frame};
+}
+
+void LaserLog::reset() {
+  next_ = 0;
+  beams_ = 0;
+  time_ = -std::numeric_limits<double>::infinity();
+  passed_ = 0;
+  skipped_ = {};
+}
+
+Outcome<std::optional<LaserRecord>> LaserLog::parse(std::string_view line) const {
+  switch (options_.format) {
+    case LaserLogFormat::urg:
+      return parse_urg(line);
+    case LaserLogFormat::csv:
+      return parse_laser_csv(line, options_.field_of_view);
+    default:
+      return parse_carmen(line, static_cast<CarmenMessage>(options_.format));
+  }
+}
+
+void LaserLog::emit(const Evaluation& evaluation, const LaserRecord& record, Output& output) {
+  const std::span<LaserBeam> beams = make_beams(output, record.ranges.size());
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    const double range = record.ranges[i];
+    const bool returned = range > 0 && range >= options_.min_range && range < options_.no_return;
+    beams[i] = {record.first_bearing + static_cast<double>(i) * record.step, returned ? range : 0};
+  }
+  assign<LaserScan>(output.estimate, {.range_std = options_.range_std,
+                                      .bearing_std = options_.bearing_std,
+                                      .quantum = options_.quantum,
+                                      .max_range = options_.no_return});
+  output.acquired = evaluation.time;
+}
+
+/// Whether a CSV's scan is like the one before it: nothing else tells a cut line, or one without
+/// its time.
+Outcome<> LaserLog::goes_on(const LaserRecord& record) const {
+  if (options_.format != LaserLogFormat::csv || beams_ == 0) return {};
+  if (record.ranges.size() != beams_)
+    return Fault{FaultKind::bad_data, fmt::format("{} ranges; expected {}, as in the scan before",
+                                                  record.ranges.size(), beams_)};
+  if (!(record.time > time_))
+    return Fault{FaultKind::bad_data,
+                 fmt::format("the time, {:g} s, is not after the scan before, {:g} s; the first "
+                             "number of a line is its time",
+                             record.time, time_)};
+  return {};
+}
+
+Outcome<> LaserLog::evaluate(const Evaluation& evaluation, Output& output) {
+  if (log_ == nullptr) {
+    auto opened = TextLog::open(options_.file);
+    if (!opened) return opened.fault();
+    log_ = *opened;
+  }
+  const bool had_scan = next_ != 0;
+  while (next_ < log_->lines()) {
+    const std::size_t line = next_++;
+    auto record = parse(log_->line(line));
+    if (record && !*record) continue;
+    if (passed_ < options_.first) {
+      ++passed_;
+      continue;
+    }
+    const Outcome<> good = record ? goes_on(**record) : Outcome<>(record.fault());
+    if (!good) {
+      Fault fault{good.fault().kind,
+                  fmt::format("{}:{}: {}", options_.file.string(), line + 1, good.fault().message)};
+      if (!options_.skip_bad) return fault;
+      skipped_.add(fault);
+      continue;
+    }
+    beams_ = (*record)->ranges.size();
+    time_ = (*record)->time;
+    emit(evaluation, **record, output);
+    return {};
+  }
+  if (!had_scan)
+    return lost(fmt::format("'{}' has no {} scan{}", options_.file.string(),
+                            choices(options_.format)[static_cast<std::size_t>(options_.format)],
+                            options_.first > 0 ? " from the first wanted on" : ""));
+  return Fault{FaultKind::end_of_data,
+               fmt::format("'{}' has no more scans", options_.file.string())};
+}
+
+}  // namespace ilss

@@ -1,0 +1,202 @@
+#include "sensors/laser/features/laser_line_fit.h"
+
+#include <cmath>
+
+#include "framework/estimate/angle.h"
+
+namespace ilss {
+namespace {
+
+/// The line in the form that the iteration works with.
+struct Normal {
+  double cosine;
+  double sine;
+  double rho;
+};
+
+/// Sums over the readings of w, w g, ..., with the residual e across the line and the coordinate g
+/// along it from the foot of the perpendicular.
+struct Sums {
+  double w = 0;
+  double wg = 0;
+  double wgg = 0;
+  double we = 0;
+  double wge = 0;
+  double wee = 0;
+  double wggg = 0;
+  double wgggg = 0;
+  double wgge = 0;
+  double least_incidence = 1;  ///< of the cosines between beams and normal
+};
+
+/// `FromLine`: where a beam meets the line tells its weight; otherwise where it was measured.
+template <bool FromLine>
+Sums accumulate(std::span<const ScanPoint> points, const LaserNoise& noise, const Normal& line) {
+  Sums sums;
+  for (const ScanPoint& p : points) {
+    const double c = line.cosine * p.cosine + line.sine * p.sine;
+    const double s = line.sine * p.cosine - line.cosine * p.sine;
+    const double range = FromLine ? line.rho / c : p.range;
+    const double g = range * s;
+    const double e = p.range * c - line.rho;
+    const double w = 1 / (noise.range_variance * c * c + noise.bearing_variance * g * g);
+    const double wg = w * g;
+    const double wgg = wg * g;
+    sums.w += w;
+    sums.wg += wg;
+    sums.wgg += wgg;
+    sums.we += w * e;
+    sums.wge += wg * e;
+    sums.wee += w * e * e;
+    sums.wggg += wgg * g;
+    sums.wgggg += wgg * g * g;
+    sums.wgge += wgg * e;
+    sums.least_incidence = c < sums.least_incidence ? c : sums.least_incidence;
+  }
+  return sums;
+}
+
+/// The best line with every reading the same weight and error in both directions: theta by the
+/// paper's closed form, with the arctangent of two arguments that it needs.
+Normal total_least_squares(std::span<const ScanPoint> points) {
+  double x = 0;
+  double y = 0;
+  for (const ScanPoint& p : points) {
+    x += p.x;
+    y += p.y;
+  }
+  const auto n = static_cast<double>(points.size());
+  x /= n;
+  y /= n;
+  double xx = 0;
+  double xy = 0;
+  double yy = 0;
+  for (const ScanPoint& p : points) {
+    xx += (p.x - x) * (p.x - x);
+    xy += (p.x - x) * (p.y - y);
+    yy += (p.y - y) * (p.y - y);
+  }
+  const double theta = 0.5 * std::atan2(-2 * xy, yy - xx);
+  Normal line{std::cos(theta), std::sin(theta), 0};
+  line.rho = x * line.cosine + y * line.sine;
+  if (line.rho < 0) line = {-line.cosine, -line.sine, -line.rho};
+  return line;
+}
+
+struct Step {
+  double rho;
+  double alpha;
+  double gain;  ///< chi² that it saves
+};
+
+Step step_of(const Sums& s, double determinant) {
+  const double rho = (s.wgg * s.we - s.wg * s.wge) / determinant;
+  const double alpha = (s.w * s.wge - s.wg * s.we) / determinant;
+  return {rho, alpha, rho * s.we + alpha * s.wge};
+}
+
+/// What e = a + b g + c g² would save of chi² over e = a + b g, and 1 / (2 |c|).
+struct Bend {
+  double gain = 0;
+  double radius = INFINITY;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+};
+
+Bend bend_of(const Sums& s) {
+  const double mean = s.wg / s.w;
+  const double second = s.wgg - mean * s.wg;  // about the mean
+  const double third = s.wggg - mean * s.wgg;
+  const double shear = third / second;  // of g² on g
+  const double square_mean = s.wgg / s.w;
+  const double spread = s.wgggg - square_mean * s.wgg - shear * third;
+  if (!(spread > 1e-12 * s.wgggg)) return {};
+  const double by_line = s.wge - mean * s.we;
+  const double across = s.wgge - square_mean * s.we - shear * by_line;
+  const double curvature = across / spread;  // c
+  // Half a length L of the parabola has a slope that is c L / 2 off the whole's, and lies c L² / 12
+  // beside it; turned about the middle, rho changes with it.
+  const double length = std::sqrt(12 * second / s.w);
+  const double slope = curvature * length / 2;
+  const double beside = curvature * length * length / 12;
+  const Eigen::Vector2d turned(-mean * slope, slope);
+  Bend bend{across * across / spread, 1 / (2 * std::abs(curvature)), turned * turned.transpose()};
+  bend.covariance(0, 0) += beside * beside;
+  return bend;
+}
+
+void turn(Normal& line, const Step& step) {
+  // Turned by a small angle about the foot of the perpendicular, which is where g counts from.
+  const double cosine = std::cos(step.alpha);
+  const double sine = std::sin(step.alpha);
+  line = {line.cosine * cosine - line.sine * sine, line.sine * cosine + line.cosine * sine,
+          line.rho + step.rho};
+}
+
+Eigen::Matrix<double, 2, range_biases> bias_sensitivity(std::span<const ScanPoint> points,
+                                                        const LaserNoise& noise, const Normal& line,
+                                                        const Eigen::Matrix2d& covariance,
+                                                        const UncertainBiases& biases) {
+  Eigen::Matrix<double, 2, range_biases> sums = Eigen::Matrix<double, 2, range_biases>::Zero();
+  for (const ScanPoint& p : points) {
+    const double c = line.cosine * p.cosine + line.sine * p.sine;
+    const double s = line.sine * p.cosine - line.cosine * p.sine;
+    const double g = line.rho / c * s;
+    const double w = 1 / (noise.range_variance * c * c + noise.bearing_variance * g * g);
+    double by_bias = w * c;
+    for (std::size_t k = 0; k < biases.count; ++k, by_bias *= p.range / biases.reference) {
+      sums(0, static_cast<Eigen::Index>(k)) += by_bias;
+      sums(1, static_cast<Eigen::Index>(k)) += by_bias * g;
+    }
+  }
+  return covariance * sums;
+}
+
+}  // namespace
+
+std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
+                                           const LaserNoise& noise, const UncertainBiases& biases) {
+  if (points.size() < 2) return std::nullopt;
+  Normal line = total_least_squares(points);
+  Sums sums = accumulate<false>(points, noise, line);
+  constexpr int most_steps = 20;
+  constexpr double settled = 1e-4;  // of chi²: a hundredth of a standard deviation
+  for (int i = 0; i < most_steps; ++i) {
+    const double determinant = sums.w * sums.wgg - sums.wg * sums.wg;
+    if (!(determinant > 1e-12 * sums.w * sums.wgg)) return std::nullopt;
+    const Step step = step_of(sums, determinant);
+    turn(line, step);
+    if (i > 0 && step.gain < settled) {
+      constexpr double least = 1e-6;  // below, beams run along the line
+      if (!(sums.least_incidence > least) || !(line.rho > least)) return std::nullopt;
+      LaserLineFit fit;
+      fit.rho = line.rho;
+      fit.alpha = wrap_angle(std::atan2(line.sine, line.cosine));
+      fit.covariance << sums.wgg, -sums.wg, -sums.wg, sums.w;
+      fit.covariance /= determinant;
+      fit.chi_squared = std::max(0.0, sums.wee - step.gain);
+      const Bend bend = bend_of(sums);
+      fit.bend = bend.gain;
+      fit.bend_radius = bend.radius;
+      fit.bend_covariance = bend.covariance;
+      fit.readings = points.size();
+      if (biases.count > 0)
+        fit.by_bias = bias_sensitivity(points, noise, line, fit.covariance, biases);
+      return fit;
+    }
+    sums = accumulate<true>(points, noise, line);
+  }
+  return std::nullopt;
+}
+
+double squared_residual(const LaserLineFit& line, const ScanPoint& p, const LaserNoise& noise) {
+  const double normal_x = std::cos(line.alpha);
+  const double normal_y = std::sin(line.alpha);
+  const double c = normal_x * p.cosine + normal_y * p.sine;
+  const double s = normal_y * p.cosine - normal_x * p.sine;
+  if (!(c > 0)) return INFINITY;
+  const double g = line.rho / c * s;
+  const double e = p.range * c - line.rho;
+  return e * e / (noise.range_variance * c * c + noise.bearing_variance * g * g);
+}
+
+}  // namespace ilss

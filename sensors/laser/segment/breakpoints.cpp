@@ -1,0 +1,74 @@
+#include "sensors/laser/segment/breakpoints.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "sensors/laser/scan_points.h"
+
+namespace ilss {
+bool BreakpointRule::breaks(double range_before, double range, double step) {
+  // The steps of a scan are alike but for rounding, so that the last one's numbers serve again.
+  if (!(std::abs(step - step_) < 1e-9 * std::abs(step_))) {
+    step_ = step;
+    const double angle = std::abs(step);
+    reach_ = angle < incidence_ ? std::sin(angle) / std::sin(incidence_ - angle) : INFINITY;
+    cosine_ = std::cos(angle);
+  }
+  const double square =
+      range * range + range_before * range_before - 2 * range * range_before * cosine_;
+  const double limit = range_before * reach_ + noise_;
+  return square > limit * limit;
+}
+
+void Breakpoints::Options::declare(OptionVisitor& visit) {
+  visit("incidence", incidence, "lambda: beams that meet a surface at less break it",
+        {.unit = "rad", .minimum = 0, .maximum = 1.5707963267948966});
+  visit("deviations", deviations, "sd of a range's noise that two readings of a surface may differ",
+        {.minimum = 0});
+  visit("least_readings", least_readings, "of a cluster", {.minimum = 1, .maximum = 1000000});
+}
+
+Interface Breakpoints::interface() {
+  return {.inputs = {{"scan", &descriptor<LaserScan>()}},
+          .output = &descriptor<SegmentedScan>(),
+          .frame_of_input = 0};
+}
+
+Outcome<> Breakpoints::evaluate(const Evaluation& evaluation, Output& output) {
+  const std::span<const LaserBeam> beams = beams_of(*evaluation.inputs[0]);
+  const double deviation = noise_of(evaluation.input(0)).range_deviation();
+  BreakpointRule rule(options_.incidence, options_.deviations * deviation);
+  const std::span<SegmentedBeam> rows = make_rows<SegmentedBeam>(output, beams.size());
+  double segment = 0;
+  std::size_t begin = 0;  // of the open cluster
+  // Ends the open cluster before beam i; its number is the next one's if it was too small.
+  const auto close = [&](std::size_t i) {
+    const bool is_cluster = i - begin >= static_cast<std::size_t>(options_.least_readings);
+    if (is_cluster) ++segment;
+    for (std::size_t k = begin; k < i; ++k) rows[k].segment = is_cluster ? segment : 0;
+  };
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    const auto [bearing, range] = beams[i];
+    if (!std::isfinite(bearing) || !std::isfinite(range) || range < 0)
+      return Fault{FaultKind::bad_data,
+                   fmt::format("beam {}: bearing {}, range {}", i, bearing, range)};
+    rows[i] = {bearing, range, 0};
+    if (range == 0) {
+      close(i);
+      begin = i + 1;
+      continue;
+    }
+    if (i == begin) continue;
+    if (!rule.breaks(beams[i - 1].range, range, bearing - beams[i - 1].bearing)) continue;
+    close(i);
+    begin = i;
+  }
+  if (begin < beams.size()) close(beams.size());
+  if (segment == 0) return Fault{FaultKind::no_detection, "the scan has no cluster of readings"};
+  output.estimate.value = evaluation.input(0).value;
+  output.estimate.lineage = evaluation.input(0).lineage;
+  return {};
+}
+
+}  // namespace ilss
