@@ -118,7 +118,7 @@ class Dial final : public Module {
   Outcome<> command(const Command& command) override {
     if (command.name == "text") return {};
     if (command.name == "time") {
-      value_ = command.time;
+      value_ = seconds(command.time);
       return {};
     }
     const double value = std::get<double>(command.value);
@@ -188,6 +188,89 @@ class Sum final : public Module {
   std::vector<LineageTerm> terms_;
 };
 
+/// Selects the branch whose number is the tick's, in turn; `cautious` ones first look at all.
+class Switch final : public Selector {
+ public:
+  static constexpr std::string_view name = "switch";
+  static constexpr std::string_view description = "One input after another";
+  static constexpr ModuleKind kind = ModuleKind::estimator;
+  struct Options {
+    bool cautious = false;
+    std::int64_t stuck_at = -1;
+    void declare(OptionVisitor& visit) {
+      visit("cautious", cautious, "Evaluate all branches");
+      visit("stuck_at", stuck_at, "Select this branch at every tick");
+    }
+  };
+  static Interface interface() {
+    return {{{"numbers", &descriptor<Number>(), {}, true}}, &descriptor<Number>(), {}, 0};
+  }
+  explicit Switch(const Options& options) : options_(options) {}
+  Outcome<std::size_t> select(const Evaluation& evaluation, Branches& branches) override {
+    if (options_.cautious)
+      for (std::size_t k = 0; k < branches.size(); ++k) branches.evaluate(k);
+    const std::size_t wanted = options_.stuck_at >= 0
+                                   ? static_cast<std::size_t>(options_.stuck_at)
+                                   : static_cast<std::size_t>(evaluation.tick) % branches.size();
+    if (wanted < branches.size()) branches.evaluate(wanted);
+    return wanted;
+  }
+
+ private:
+  Options options_;
+};
+
+/// A number from a file that may not open, with times of its own: `step` apart from `from` on.
+class Archive final : public Module {
+ public:
+  static constexpr std::string_view name = "archive";
+  static constexpr std::string_view description = "Numbers with times";
+  static constexpr ModuleKind kind = ModuleKind::sensor;
+  struct Options {
+    bool lost = false;
+    bool throws = false;
+    std::int64_t count = 3;
+    double from = 100;
+    double step = 1;
+    void declare(OptionVisitor& visit) {
+      visit("lost", lost, "It cannot be opened");
+      visit("throws", throws, "Opening it throws");
+      visit("count", count, "How many numbers it has");
+      visit("from", from, "The first one's time", {.unit = "s"});
+      visit("step", step, "From one to the next", {.unit = "s"});
+    }
+  };
+  static inline int open_now = 0;  ///< how many are open
+  static Interface interface() { return {{}, &descriptor<Number>(), "robot", {}}; }
+  explicit Archive(const Options& options) : options_(options) {}
+  Outcome<> open() override {
+    if (options_.throws) throw std::runtime_error("the shelf is empty");
+    if (options_.lost) return Fault{FaultKind::device_lost, "no such archive"};
+    if (!is_open_) ++open_now;
+    is_open_ = true;
+    return {};
+  }
+  void close() override {
+    if (is_open_) --open_now;
+    is_open_ = false;
+  }
+  std::optional<Time> next_time() override {
+    if (given_ == options_.count) return std::nullopt;
+    return time_at(options_.from + options_.step * static_cast<double>(given_));
+  }
+  Outcome<> evaluate(const Evaluation&, Output& output) override {
+    if (!is_open_) return Fault{FaultKind::internal, "evaluated while it is closed"};
+    if (given_ == options_.count) return Fault{FaultKind::end_of_data, "no more numbers"};
+    assign<Number>(output.estimate, {static_cast<double>(++given_)});
+    return {};
+  }
+
+ private:
+  Options options_;
+  bool is_open_ = false;
+  std::int64_t given_ = 0;
+};
+
 inline const Registry& registry() {
   static const Registry result = [] {
     Registry modules;
@@ -197,6 +280,8 @@ inline const Registry& registry() {
     modules.add<Increment>();
     modules.add<Subtract>();
     modules.add<Sum>();
+    modules.add<Switch>();
+    modules.add<Archive>();
     return modules;
   }();
   return result;
