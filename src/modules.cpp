@@ -223,13 +223,13 @@ void list_modules(const Arguments& arguments, Session& session) {
 
 }  // namespace
 
-void add_modules(CLI::App& app, Session& session) {
+void add_modules(Verb command, Session& session) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb = app.add_subcommand("modules", "List module types, or all that one declares");
-  verb->add_option("TYPE", arguments->type, "Module type");
-  auto* json = verb->add_flag("--json", arguments->json, "Print JSON");
-  verb->add_flag("--markdown", arguments->markdown, "Print the reference page")->excludes(json);
-  verb->callback([arguments, &session] { list_modules(*arguments, session); });
+  Verb verb = command.add_verb("modules", "List module types, or all that one declares");
+  verb.add_option("TYPE", arguments->type, "Module type");
+  const Option json = verb.add_flag("--json", arguments->json, "Print JSON");
+  verb.add_flag("--markdown", arguments->markdown, "Print the reference page").excludes(json);
+  verb.on_call([arguments, &session] { list_modules(*arguments, session); });
 }
 
 }  // namespace ilss
