@@ -37,7 +37,7 @@ void evaluate_chain(benchmark::State& state, std::string_view first, std::string
   const Plan plan = plan_of(chain_text(size, first, then));
   System system(plan, 1);
   double time = 0;
-  for (auto _ : state) system.evaluate(time += 0.001);
+  for (auto _ : state) system.evaluate(time_at(time += 0.001));
   check_output(system, state);
   state.counters["per_module"] = per_module(size);
 }
@@ -53,7 +53,7 @@ void run_chain_with_instruments(benchmark::State& state, std::string_view first,
   const Plan plan = plan_of(chain_text(chain_length, first, then));
   Runner runner(plan);
   double time = 0;
-  for (auto _ : state) runner.step(time += 0.001);
+  for (auto _ : state) runner.step(time_at(time += 0.001));
   check_output(runner.system(), state);
   state.counters["per_module"] = per_module(chain_length);
 }

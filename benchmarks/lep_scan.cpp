@@ -103,7 +103,7 @@ void run_line_extractor(benchmark::State& state) {
   const auto plan = build_plan(graph, ".", registry, {}, diagnostics);
   Runner runner(*plan);
   double time = 0;
-  for (auto _ : state) runner.step(time += 0.1);
+  for (auto _ : state) runner.step(time_at(time += 0.1));
   per_reading(state, 256);
 }
 BENCHMARK(run_line_extractor);

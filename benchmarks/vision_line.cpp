@@ -60,8 +60,8 @@ constexpr const char* uncertain_height = "{value: 200 mm, std: 0.2 mm}";
 void first_order(benchmark::State& state, const char* height) {
   const Case c(height);
   const auto module = c.plan.nodes[c.line].type->create(c.plan.nodes[c.line].settings);
-  const Output* inputs[] = {&c.system->node(c.rows).output};
-  Output output = c.system->node(c.line).output;
+  const Output* inputs[] = {&c.system->node(c.rows).output()};
+  Output output = c.system->node(c.line).output();
   const Evaluation evaluation{.parameters = c.plan.nodes[c.line].parameters, .inputs = inputs};
   Eigen::MatrixXd covariance(4, 4);
   for (auto _ : state) {

@@ -17,24 +17,6 @@ struct Arguments {
   bool json = false;
 };
 
-/// Stands for an input whose value is given; never evaluated itself.
-class GivenInput final : public Module {
- public:
-  Outcome<> evaluate(const Evaluation&, Output&) override {
-    return Fault{FaultKind::no_detection, "the input was not given"};
-  }
-};
-
-ModuleType given_type(const std::string& name, const PayloadDescriptor& payload) {
-  ModuleType type;
-  type.name = name;
-  type.kind = ModuleKind::sensor;
-  type.parameters = &no_parameters();
-  type.interface = [&payload](const Settings&) { return Interface{{}, &payload, {}, {}}; };
-  type.create = [](const Settings&) { return std::make_unique<GivenInput>(); };
-  return type;
-}
-
 Node scalar(const std::string& text) { return {Node::Kind::scalar, {}, false, text}; }
 Node list(std::vector<Node> values) {
   Node node{Node::Kind::list};
@@ -163,11 +145,11 @@ void print_result(const Arguments& arguments, const Plan& plan, const System& sy
     json["output"] = outputs_json(system, plan.owners, verdicts);
     fmt::print("{}\n", json_text(json));
   } else if (state.outcome.has_output()) {
-    const Estimate& estimate = state.output.estimate;
+    const Estimate& estimate = state.output().estimate;
     fmt::print("{}", estimate_text(estimate, verdicts.front()));
     const std::string shares = budget_text(estimate, plan.owners);
     if (!shares.empty()) fmt::print("share of the variance\n{}", shares);
-    fmt::print("{}", parts_text(state.output, plan.nodes[node].name, plan.owners));
+    fmt::print("{}", parts_text(state.output(), plan.nodes[node].name, plan.owners));
   } else if (state.outcome.is_fault()) {
     fmt::print("fault {}: {}\n", fault_name(state.outcome.fault().kind),
                state.outcome.fault().message);
@@ -196,7 +178,7 @@ void evaluate(const Arguments& arguments, Session& session) {
   auto plan =
       build_plan(graph_around(type, name, given), ".", session.registry, parameters, diagnostics);
   if (!plan) report_and_exit(diagnostics);
-  std::map<std::size_t, System::OperatingPoint> points;
+  std::map<std::size_t, OperatingPoint> points;
   for (const GivenValue& value : given) {
     const std::size_t node = *plan->find(value.node);
     auto estimate =
@@ -204,8 +186,9 @@ void evaluate(const Arguments& arguments, Session& session) {
     if (estimate) points[node] = {Output{std::move(estimate->estimate)}, true};
   }
   if (!diagnostics.empty()) report_and_exit(diagnostics);
-  System system(*plan, 1, Folding::none);
-  system.expect(points);
+  System system(*plan, 1,
+                {.folding = Folding::none, .stand_ins = given_outputs(std::move(points))});
+  system.expect();
   print_result(arguments, *plan, system, *plan->find(name));
 }
 

@@ -91,12 +91,13 @@ void FeatureFile::add(const System& system, double time,
   if (!state.outcome.has_output() || !state.fresh) return;
   const std::int64_t tick = system.ticks() - 1;
   if (columns_) {
-    const std::string leading = fmt::format("{},{},{}", tick, time, state.output.acquired);
-    for (const Estimate& element : state.output.elements) add_row(element, leading);
+    const std::string leading =
+        fmt::format("{},{},{}", tick, time, seconds(state.output().acquired.oldest));
+    for (const Estimate& element : state.output().elements) add_row(element, leading);
   } else {
     const Json json = {{"tick", tick},
                        {"time", time},
-                       {"acquired", state.output.acquired},
+                       {"acquired", seconds(state.output().acquired.oldest)},
                        {"output", outputs_json(system, system.plan().owners, verdicts)}};
     file_->stream() << (ticks_ == 0 ? "\n" : ",\n") << json_text(json, true);
   }

@@ -190,7 +190,7 @@ std::optional<Picture> picture_of(const System& system, double time) {
   const Plan& plan = system.plan();
   std::vector<DrawnLayer> layers(system.size());
   for (std::size_t i = 0; i < system.size(); ++i)
-    if (system.node(i).outcome.has_output()) layers[i] = draw(plan, i, system.node(i).output);
+    if (system.node(i).outcome.has_output()) layers[i] = draw(plan, i, system.node(i).output());
   std::vector<std::size_t> order = plan.outputs;
   for (std::size_t i = 0; i < system.size(); ++i) order.push_back(i);
   const auto first = std::find_if(order.begin(), order.end(),

@@ -29,10 +29,10 @@ struct Arguments {
 };
 
 /// The operating points of `--at NAME=VALUE`; their sources join the plan's owners.
-std::map<std::size_t, System::OperatingPoint> read_operating_points(
-    const std::vector<std::string>& texts, Plan& plan) {
+std::map<std::size_t, OperatingPoint> read_operating_points(const std::vector<std::string>& texts,
+                                                            Plan& plan) {
   Diagnostics diagnostics;
-  std::map<std::size_t, System::OperatingPoint> points;
+  std::map<std::size_t, OperatingPoint> points;
   std::vector<std::string> names;
   for (const PlanNode& node : plan.nodes) names.push_back(node.name);
   for (const std::string& text : texts) {
@@ -115,7 +115,7 @@ void print_text(const Arguments& arguments, const Prediction& prediction) {
   for (std::size_t o = 0; o < plan.outputs.size(); ++o) {
     const NodeState& state = system.node(plan.outputs[o]);
     if (!state.outcome.has_output()) continue;
-    const Estimate& estimate = state.output.estimate;
+    const Estimate& estimate = state.output().estimate;
     fmt::print("{}: {}", plan.nodes[plan.outputs[o]].name,
                estimate_text(estimate, prediction.verdicts[o]));
     fmt::print("{}", degrees_of_freedom_text(estimate, plan.owners));
@@ -127,7 +127,7 @@ void print_text(const Arguments& arguments, const Prediction& prediction) {
       fmt::print("{}", budget_tables_text(estimate, plan.owners));
     else if (!shares.empty())
       fmt::print("share of the variance\n{}", shares);
-    fmt::print("{}", parts_text(state.output, plan.nodes[plan.outputs[o]].name, plan.owners));
+    fmt::print("{}", parts_text(state.output(), plan.nodes[plan.outputs[o]].name, plan.owners));
   }
   for (const UnknownCorrelation& unknown : plan.unknown_correlations)
     fmt::print("note: {}\n", describe(unknown, plan));
@@ -170,8 +170,8 @@ int predict(const Arguments& arguments, Session& session) {
   given.reserve(points.size());
   for (const auto& [node, point] : points) given.push_back(node);
 
-  System system(plan, 1, Folding::per_owner);
-  system.expect(points);
+  System system(plan, 1, {.stand_ins = given_outputs(points)});
+  system.expect();
   const Prediction prediction{
       system, judge(system, given), draw_trials(arguments, system, given),
       predict_time(plan, arguments.parallel ? Execution::parallel : Execution::one_thread)};

@@ -94,7 +94,8 @@ Json tick_json(const Runner& runner, double time, const std::vector<VerdictRepor
     Json module = {{"outcome", outcome_name(state.outcome)},
                    {"compute_ns", runner.compute_ns(i)},
                    {"age_ns", nullptr}};
-    if (state.has_value) module["age_ns"] = std::llround((time - state.output.acquired) * 1e9);
+    if (state.has_value)
+      module["age_ns"] = (time_at(time) - state.output().acquired.oldest).count();
     if (state.outcome.is_fault())
       module["fault"] =
           fault_json(state.outcome.fault(), plan.nodes[state.origin.value_or(i)].name);
@@ -125,8 +126,8 @@ std::string output_text(const System& system, std::size_t node, Verdict verdict)
                        system.plan().nodes[state.origin.value_or(node)].name,
                        state.outcome.fault().message);
   if (!state.outcome.has_output()) return "pending";
-  const Estimate& estimate = state.output.estimate;
-  std::string text = samples_text(state.output);
+  const Estimate& estimate = state.output().estimate;
+  std::string text = samples_text(state.output());
   if (has_parts(*estimate.type)) {
     text += (text.empty() ? "" : "  ") + component_line(estimate);
   } else {
@@ -145,8 +146,8 @@ std::string output_text(const System& system, std::size_t node, Verdict verdict)
 /// The elements of an output that is a set, below its line.
 void print_elements(const System& system, std::size_t node, const std::string& indent) {
   const NodeState& state = system.node(node);
-  if (state.outcome.has_output() && !state.output.estimate.type->element.empty())
-    fmt::print("{}", elements_text(state.output.elements, indent));
+  if (state.outcome.has_output() && !state.output().estimate.type->element.empty())
+    fmt::print("{}", elements_text(state.output().elements, indent));
 }
 
 /// "22 of 24 outputs (3 second_order)".
@@ -196,11 +197,11 @@ void observe_outputs(const System& system, const std::vector<VerdictReport>& ver
     if (!state.fresh) continue;
     ++summaries[o].outputs;
     ++summaries[o].verdicts[static_cast<std::size_t>(verdicts[o].verdict)];
-    summaries[o].variance_sum.resize(state.output.estimate.dimension(), 0.0);
+    summaries[o].variance_sum.resize(state.output().estimate.dimension(), 0.0);
     for (std::size_t i = 0; i < summaries[o].variance_sum.size(); ++i)
-      summaries[o].variance_sum[i] += state.output.estimate.lineage.variance(i);
-    if (!state.output.estimate.type->element.empty())
-      summaries[o].elements.add(state.output.elements);
+      summaries[o].variance_sum[i] += state.output().estimate.lineage.variance(i);
+    if (!state.output().estimate.type->element.empty())
+      summaries[o].elements.add(state.output().elements);
   }
 }
 
@@ -396,7 +397,7 @@ int run(const Arguments& arguments, Session& session) {
   std::int64_t tick = 0;
   for (; (most_ticks == 0 || tick < most_ticks) && interrupted == 0; ++tick) {
     const double time = static_cast<double>(tick) * period;
-    runner.step(time);
+    runner.step(time_at(time));
     if (!arguments.json && !arguments.quiet) print_commands(runner, time);
     ended = find_fault(runner.system(), FaultKind::end_of_data).has_value();
     if (ended) break;

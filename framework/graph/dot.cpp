@@ -144,7 +144,7 @@ std::string to_dot(const Plan& plan) {
     for (std::size_t k = 0; k < plan.nodes[i].inputs.size(); ++k) {
       const PlanInput& input = plan.nodes[i].inputs[k];
       std::string label = flow_label(plan.nodes[input.node]);
-      if (input.max_age) label += fmt::format("<br/>at most {:.4g} s old", *input.max_age);
+      if (input.max_age) label += fmt::format("<br/>at most {:.4g} s old", seconds(*input.max_age));
       out += fmt::format("  n{} -> n{} [label=<{}>];\n", input.node, i, label);
     }
   for (const PlanCommand& command : plan.commands)

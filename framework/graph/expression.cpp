@@ -43,7 +43,7 @@ void read_combine_map(const Node& map, Expression& expression, Diagnostics& diag
       else if (std::get<double>(age) < 0)
         diagnostics.add(value.position, "a time cannot be negative");
       else
-        expression.max_age = std::get<double>(age);
+        expression.max_age = duration_of(std::get<double>(age));
     } else {
       diagnostics.add(key.position, fmt::format("combine has no key '{}'{}", key.text,
                                                 suggestion(key.text, {"of", "align", "max_age"})));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "framework/module/document.h"
+#include "framework/module/time.h"
 
 namespace ilss {
 
@@ -16,10 +17,10 @@ struct Expression {
 
   Kind kind = Kind::name;
   Position position = {};
-  std::string name = {};               ///< of a module
-  std::vector<Expression> parts = {};  ///< of an operator, in order
-  std::optional<double> max_age = {};  ///< of combine: older held values are the fault stale (s)
-  bool hides_names = false;            ///< names of modules may stand in what could not be read
+  std::string name = {};                 ///< of a module
+  std::vector<Expression> parts = {};    ///< of an operator, in order
+  std::optional<Duration> max_age = {};  ///< of combine: older held values are the fault stale
+  bool hides_names = false;              ///< names of modules may stand in what could not be read
 };
 
 /// Reads an expression; what is wrong goes to `diagnostics` and becomes `unread`.

@@ -16,10 +16,10 @@ struct ModuleTime {
   double worst = 0;
 };
 
-/// A connection: which node's output, and how old a held value may be (s).
+/// A connection: which node's output, and how old a held value may be.
 struct PlanInput {
   std::size_t node = 0;
-  std::optional<double> max_age = {};
+  std::optional<Duration> max_age = {};
 };
 
 /// One module instance. Sources that it makes carry its index as owner.

@@ -55,14 +55,14 @@ std::optional<std::size_t> find_command(const std::string& name, const Plan& pla
   return std::nullopt;
 }
 
-std::optional<double> read_time(const std::string& text, Position position,
-                                Diagnostics& diagnostics) {
+std::optional<Time> read_time(const std::string& text, Position position,
+                              Diagnostics& diagnostics) {
   const auto time = parse_quantity(text, "s");
   if (const auto* error = std::get_if<std::string>(&time)) {
     diagnostics.add(position, "time: " + *error);
     return std::nullopt;
   }
-  if (std::get<double>(time) >= 0) return std::get<double>(time);
+  if (std::get<double>(time) >= 0) return time_at(std::get<double>(time));
   diagnostics.add(position, "the time of a command cannot be negative");
   return std::nullopt;
 }

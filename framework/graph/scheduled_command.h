@@ -12,7 +12,7 @@ namespace ilss {
 struct ScheduledCommand {
   std::size_t command = 0;  ///< which of the plan's
   CommandValue value;       ///< of the declared kind
-  double time = 0;          ///< s since the start
+  Time time = {};
 };
 
 /// A command's value as users write it, in YAML: checked against what is declared, in SI. What is

@@ -11,26 +11,31 @@
 namespace ilss {
 namespace {
 
-/// Stands for a module whose constructor threw.
+/// Stands for a module that cannot be made, or not be opened.
 class BrokenModule final : public Module {
  public:
-  explicit BrokenModule(std::string reason) : reason_(std::move(reason)) {}
-  Outcome<> evaluate(const Evaluation&, Output&) override {
-    return Fault{FaultKind::internal, reason_};
-  }
-  Outcome<> command(const Command&) override { return Fault{FaultKind::internal, reason_}; }
+  explicit BrokenModule(Fault fault) : fault_(std::move(fault)) {}
+  Outcome<> open() override { return fault_; }
+  Outcome<> evaluate(const Evaluation&, Output&) override { return fault_; }
+  Outcome<> command(const Command&) override { return fault_; }
 
  private:
-  std::string reason_;
+  Fault fault_;
 };
 
-std::unique_ptr<Module> create_module(const PlanNode& node) {
+/// Makes a node's module, or what stands in for it.
+StandIn make_module(std::size_t index, const PlanNode& node, const StandIns& stand_ins) {
+  const auto broken = [](std::string reason) {
+    return StandIn{std::make_unique<BrokenModule>(Fault{FaultKind::internal, std::move(reason)})};
+  };
   try {
-    return node.type->create(node.settings);
+    StandIn made = stand_ins ? stand_ins(index, node) : StandIn{};
+    if (made.module == nullptr) made.module = node.type->create(node.settings);
+    return made;
   } catch (const std::exception& error) {
-    return std::make_unique<BrokenModule>(fmt::format("cannot be created: {}", error.what()));
+    return broken(fmt::format("cannot be created: {}", error.what()));
   } catch (...) {
-    return std::make_unique<BrokenModule>("cannot be created");
+    return broken("cannot be created");
   }
 }
 
@@ -50,30 +55,114 @@ std::unique_ptr<Module> create_module(const PlanNode& node) {
 
 }  // namespace
 
-System::System(const Plan& plan, std::uint64_t seed, Folding folding)
-    : plan_(&plan), folding_(folding), post_dominators_(plan), nodes_(plan.nodes.size()) {
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    const PlanNode& node = plan.nodes[i];
-    NodeState& state = nodes_[i];
-    state.module = create_module(node);
-    state.output.estimate = Estimate(*node.interface.output, node.frame);
-    state.seed_ = derive_seed(seed, node.name);
-    state.dimension_ = static_cast<std::uint32_t>(node.interface.output->dimension());
-    state.label_count_ = static_cast<std::uint32_t>(node.interface.output->labels.size());
-    state.is_checked_ = node.type->checked;
-    state.correlation_unknown_ = node.correlation_unknown;
-    for (const PlanInput& input : node.inputs) {
-      const NodeState& producer = nodes_[input.node];
-      state.feeds_.push_back({&producer, input.max_age.value_or(INFINITY)});
-      state.inputs_.push_back(&producer.output);
+/// A selector's inputs, evaluated when it asks for them.
+class System::BranchesOf final : public Branches {
+ public:
+  BranchesOf(System& system, std::size_t selector, NodeObserver* observer)
+      : system_(system), selector_(selector), observer_(observer) {}
+
+  std::size_t size() const override { return state().feeds_.size(); }
+
+  const Outcome<>& evaluate(std::size_t branch) override {
+    for (const std::size_t i : system_.regions_.branch(selector_, branch)) {
+      NodeState& node = system_.nodes_[i];
+      if (node.evaluated_tick_ == system_.tick_) continue;
+      node.evaluated_tick_ = system_.tick_;
+      system_.evaluate_node(i, observer_);
+      if (observer_ != nullptr) observer_->end_node(i);
     }
+    return producer(branch).outcome;
+  }
+
+  const Output* output(std::size_t branch) const override {
+    return producer(branch).has_value ? &producer(branch).output() : nullptr;
+  }
+
+ private:
+  const NodeState& state() const { return system_.nodes_[selector_]; }
+  const NodeState& producer(std::size_t branch) const {
+    return *state().feeds_.at(branch).producer;
+  }
+
+  System& system_;
+  std::size_t selector_;
+  NodeObserver* observer_;
+};
+
+System::System(const Plan& plan, std::uint64_t seed, SystemOptions options)
+    : plan_(&plan),
+      folding_(options.folding),
+      follow_data_(options.follow_data),
+      post_dominators_(plan),
+      nodes_(plan.nodes.size()),
+      regions_([&] {
+        std::vector<bool> given(plan.nodes.size());
+        for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
+          StandIn made = make_module(i, plan.nodes[i], options.stand_ins);
+          nodes_[i].module = std::move(made.module);
+          given[i] = nodes_[i].is_given_ = made.is_given;
+          nodes_[i].seed_ = derive_seed(seed, plan.nodes[i].name);
+        }
+        return Regions(plan, given);
+      }()) {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) connect(i);
+}
+
+System::~System() {
+  if (!is_open_) return;
+  for (NodeState& node : nodes_)
+    (void)guarded([&]() -> Outcome<> { return node.module->close(), Outcome<>(); });
+}
+
+void System::connect(std::size_t i) {
+  const PlanNode& node = plan_->nodes[i];
+  NodeState& state = nodes_[i];
+  state.own_.estimate = Estimate(*node.interface.output, node.frame);
+  state.dimension_ = static_cast<std::uint32_t>(node.interface.output->dimension());
+  state.label_count_ = static_cast<std::uint32_t>(node.interface.output->labels.size());
+  state.is_checked_ = node.type->checked && !state.is_given_;
+  state.correlation_unknown_ = node.correlation_unknown;
+  if (state.is_given_) return;
+  state.selects_ = node.type->selects;
+  for (const PlanInput& input : node.inputs) {
+    const NodeState& producer = nodes_[input.node];
+    state.feeds_.push_back({&producer, input.max_age.value_or(Duration::max())});
+    state.inputs_.push_back(&producer.output());
+    state.reads_selectors_ |= producer.selects_;
   }
 }
 
-void System::begin_tick(double time) {
+std::vector<OpenFault> System::open() {
+  std::vector<OpenFault> faults;
+  if (is_open_) return faults;
+  is_open_ = true;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    if (!regions_.is_needed(i)) continue;
+    Outcome<> outcome = guarded([&] { return nodes_[i].module->open(); });
+    if (outcome.is_fault()) {
+      faults.push_back({i, outcome.fault()});
+      nodes_[i].module = std::make_unique<BrokenModule>(outcome.fault());
+    } else if (follow_data_ && nodes_[i].feeds_.empty()) {
+      (void)guarded([&]() -> Outcome<> {
+        nodes_[i].has_data_clock_ = nodes_[i].module->next_time().has_value();
+        return {};
+      });
+    }
+  }
+  return faults;
+}
+
+void System::begin_tick(Time time) {
+  if (!is_open_) [[unlikely]]
+    open();
+  start_tick(time);
+}
+
+void System::start_tick(Time time) {
   time_ = time;
   tick_seed_ = mix(static_cast<std::uint64_t>(tick_));
   ++tick_;
+  expects_ = false;
 }
 
 [[gnu::always_inline]] inline Evaluation System::evaluation(std::size_t i) const {
@@ -87,31 +176,35 @@ void System::begin_tick(double time) {
           .correlation_unknown = state.correlation_unknown_};
 }
 
-void System::evaluate(double time) {
+void System::evaluate(Time time) {
   begin_tick(time);
-  for (std::size_t i = 0; i < nodes_.size(); ++i) evaluate_node(i);
+  for (const std::size_t i : regions_.always()) evaluate_node(i);
 }
 
-/// Whether the node has all that it needs for this tick; then `output.acquired` is the oldest
-/// input's. Otherwise its outcome is set. In one pass and free of what seldom happens, since this
-/// is what a tick mostly does.
+/// Whether the node has all that it needs for this tick; then `acquired` is its inputs' range.
+/// Otherwise its outcome is set. In one pass and free of what seldom happens, since this is what a
+/// tick mostly does.
 [[gnu::always_inline]] inline bool System::take_inputs(std::size_t i) {
   NodeState& state = nodes_[i];
   bool any_fresh = state.feeds_.empty();
   bool all_there = true;
   bool any_fault = false;
   bool any_stale = false;
-  double oldest = time_;
+  Acquisition acquired{time_, state.feeds_.empty() ? time_ : Time::min()};
   for (const NodeState::Feed& feed : state.feeds_) {
     const NodeState& producer = *feed.producer;
+    const Acquisition& input = producer.output().acquired;
     any_fault |= producer.outcome.is_fault();
     any_fresh |= producer.fresh;
     all_there &= producer.has_value;
-    any_stale |= time_ - producer.output.acquired > feed.max_age;
-    oldest = std::min(oldest, producer.output.acquired);
+    any_stale |= time_ - input.oldest > feed.max_age;
+    acquired.include(input);
   }
   if (!any_fault && any_fresh && all_there && !any_stale) {
-    state.output.acquired = oldest;
+    state.own_.acquired = acquired;
+    if (state.reads_selectors_) [[unlikely]]
+      for (std::size_t k = 0; k < state.feeds_.size(); ++k)
+        state.inputs_[k] = &state.feeds_[k].producer->output();
     return true;
   }
   if (any_fault)
@@ -138,11 +231,12 @@ void System::inherit_fault(std::size_t i) {
 void System::report_stale(std::size_t i) {
   NodeState& state = nodes_[i];
   for (const PlanInput& input : plan_->nodes[i].inputs) {
-    const double age = time_ - nodes_[input.node].output.acquired;
+    const Duration age = time_ - nodes_[input.node].output().acquired.oldest;
     if (!input.max_age || age <= *input.max_age) continue;
     state.outcome =
-        Fault{FaultKind::stale, fmt::format("'{}' is {:.4g} s old; at most {:.4g} s are allowed",
-                                            plan_->nodes[input.node].name, age, *input.max_age)};
+        Fault{FaultKind::stale,
+              fmt::format("'{}' is {:.4g} s old; at most {:.4g} s are allowed",
+                          plan_->nodes[input.node].name, seconds(age), seconds(*input.max_age))};
     break;
   }
   state.origin = i;
@@ -151,7 +245,7 @@ void System::report_stale(std::size_t i) {
 
 void System::reject_output(std::size_t i) {
   NodeState& state = nodes_[i];
-  const Estimate& estimate = state.output.estimate;
+  const Estimate& estimate = state.own_.estimate;
   const bool complete = estimate.value.size() == state.dimension_ &&
                         estimate.lineage.dimension() == state.dimension_ &&
                         estimate.labels.size() == state.label_count_;
@@ -174,7 +268,7 @@ template <typename Call>
     state.outcome = Fault{FaultKind::internal, "the module threw"};
   }
   if (state.outcome.has_output()) {
-    const Estimate& estimate = state.output.estimate;
+    const Estimate& estimate = state.own_.estimate;
     if (!state.is_checked_ && !keeps_contract(estimate, state.dimension_, state.label_count_))
       return reject_output(i);
     state.fresh = true;
@@ -186,19 +280,86 @@ template <typename Call>
   }
 }
 
-void System::evaluate_node(std::size_t i) {
+void System::evaluate_node(std::size_t i, NodeObserver* observer) {
   NodeState& state = nodes_[i];
   state.fresh = false;
   state.origin.reset();
-  const double held_since = state.output.acquired;
+  if (state.selects_) [[unlikely]]
+    return select(i, observer);
+  const Acquisition held = state.own_.acquired;
   if (!take_inputs(i)) return;
-  call_module(i, [&] { return state.module->evaluate(evaluation(i), state.output); });
-  if (state.outcome.is_pending()) state.output.acquired = held_since;
+  if (state.has_data_clock_ && awaits_data(i)) {
+    state.outcome = Pending{};
+  } else if (expects_) [[unlikely]] {
+    call_module(i, [&] { return state.module->expect(evaluation(i), nullptr, state.own_); });
+  } else {
+    call_module(i, [&] { return state.module->evaluate(evaluation(i), state.own_); });
+  }
+  if (state.outcome.is_pending()) state.own_.acquired = held;
+}
+
+/// Whether the source's next data are of a later time than this tick's.
+bool System::awaits_data(std::size_t i) {
+  std::optional<Time> next;
+  (void)guarded([&]() -> Outcome<> { return next = nodes_[i].module->next_time(), Outcome<>(); });
+  return next && *next > time_;
+}
+
+std::optional<Time> System::next_data_time() {
+  std::optional<Time> earliest;
+  if (!is_open_) open();
+  for (NodeState& state : nodes_) {
+    if (!state.has_data_clock_) continue;
+    (void)guarded([&]() -> Outcome<> {
+      const std::optional<Time> next = state.module->next_time();
+      if (next && (!earliest || *next < *earliest)) earliest = next;
+      return {};
+    });
+  }
+  return earliest;
+}
+
+/// Lets a selector have its branches evaluated as it asks, and passes on what it selects.
+void System::select(std::size_t i, NodeObserver* observer) {
+  NodeState& state = nodes_[i];
+  for (const std::size_t k : regions_.on_demand(i)) {
+    nodes_[k].fresh = false;
+    nodes_[k].outcome = Pending{};
+  }
+  for (std::size_t k = 0; k < state.feeds_.size(); ++k)
+    state.inputs_[k] = &state.feeds_[k].producer->output();
+  BranchesOf branches(*this, i, observer);
+  std::optional<std::size_t> chosen;
+  state.outcome = guarded([&]() -> Outcome<> {
+    Outcome<std::size_t> selected =
+        static_cast<Selector&>(*state.module).select(evaluation(i), branches);
+    if (selected.is_pending()) return Pending{};
+    if (selected.is_fault()) return selected.fault();
+    chosen = *selected;
+    if (*chosen < state.feeds_.size()) return {};
+    return Fault{FaultKind::internal,
+                 fmt::format("it selected branch {} of {}", *chosen + 1, state.feeds_.size())};
+  });
+  if (state.outcome.is_fault()) {
+    state.origin = i;
+    state.has_value = false;
+    return;
+  }
+  if (!chosen) return;
+  const NodeState& branch = *state.feeds_[*chosen].producer;
+  state.current_ = branch.current_;
+  state.outcome = branch.outcome.is_fault()     ? Outcome<>(branch.outcome.fault())
+                  : branch.outcome.has_output() ? Outcome<>()
+                                                : Outcome<>(Pending{});
+  state.fresh = branch.fresh;
+  state.has_value = branch.has_value;
+  if (branch.outcome.is_fault())
+    state.origin = branch.origin.value_or(plan_->nodes[i].inputs[*chosen].node);
 }
 
 /// Whether `fold` would find anything: more columns than components, of one owner or in all.
 bool System::worth_folding(std::size_t i) const {
-  const Lineage& lineage = nodes_[i].output.estimate.lineage;
+  const Lineage& lineage = nodes_[i].own_.estimate.lineage;
   const std::size_t dimension = lineage.dimension();
   if (folding_ == Folding::none) return false;
   std::size_t count = 0;
@@ -212,7 +373,7 @@ bool System::worth_folding(std::size_t i) const {
 }
 
 void System::fold(std::size_t i) {
-  Lineage& lineage = nodes_[i].output.estimate.lineage;
+  Lineage& lineage = nodes_[i].own_.estimate.lineage;
   const auto may_fold = [this, i](const Source& source) { return foldable(i, source); };
   const auto folder = static_cast<std::uint32_t>(i);
   if (folding_ == Folding::per_owner)
@@ -221,58 +382,10 @@ void System::fold(std::size_t i) {
     lineage.fold_together(may_fold, folder, folder);
 }
 
-Outcome<> System::take_operating_point(std::size_t i, const OperatingPoint& point) {
-  NodeState& state = nodes_[i];
-  const Estimate& given = point.value.estimate;
-  const bool complete = std::none_of(given.value.begin(), given.value.end(),
-                                     [](double value) { return std::isnan(value); });
-  if (!point.has_error || !complete) {
-    Outcome<> outcome = state.module->expect(evaluation(i), &point.value, state.output);
-    if (!point.has_error || !outcome) return outcome;
-  }
-  // What was given stands with its own error; what was not is as the module says.
-  Estimate& estimate = state.output.estimate;
-  if (complete) {
-    const std::string frame = estimate.frame;
-    state.output = point.value;
-    estimate.frame = frame;
-    state.output.acquired = time_;
-    return {};
-  }
-  Lineage lineage(given.dimension());
-  for (std::size_t k = 0; k < estimate.lineage.size(); ++k)
-    for (std::size_t c = 0; c < given.dimension(); ++c)
-      if (std::isnan(given.value[c]))
-        lineage.add(estimate.lineage.sources()[k], c, estimate.lineage.column(k)[c]);
-  for (std::size_t k = 0; k < given.lineage.size(); ++k)
-    lineage.add(given.lineage.sources()[k], given.lineage.column(k));
-  estimate.lineage = std::move(lineage);
-  for (std::size_t c = 0; c < given.dimension(); ++c)
-    if (!std::isnan(given.value[c])) estimate.value[c] = given.value[c];
-  return {};
-}
-
-void System::expect(const std::map<std::size_t, OperatingPoint>& operating_points) {
-  begin_tick(time_);
-  std::vector<char> needed(nodes_.size(), 0);
-  for (const std::size_t output : plan_->outputs) needed[output] = 1;
-  for (std::size_t i = nodes_.size(); i-- > 0;)
-    if (needed[i] && !operating_points.contains(i))
-      for (const PlanInput& input : plan_->nodes[i].inputs) needed[input.node] = 1;
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    NodeState& state = nodes_[i];
-    state.fresh = false;
-    state.origin.reset();
-    state.outcome = Pending{};
-    if (!needed[i]) continue;
-    const auto point = operating_points.find(i);
-    if (point != operating_points.end()) {
-      state.output.acquired = time_;
-      call_module(i, [&] { return take_operating_point(i, point->second); });
-    } else if (take_inputs(i)) {
-      call_module(i, [&] { return state.module->expect(evaluation(i), nullptr, state.output); });
-    }
-  }
+void System::expect() {
+  start_tick(time_);
+  expects_ = true;
+  for (const std::size_t i : regions_.always()) evaluate_node(i);
 }
 
 Outcome<> System::command(std::size_t node, const Command& command) {
@@ -291,7 +404,9 @@ std::string System::note(std::size_t node) const {
 
 std::vector<TestReport> System::run_tests(std::size_t node) {
   try {
-    return nodes_.at(node).module->run_tests(evaluation(node));
+    Evaluation now = evaluation(node);
+    now.tick = std::max<std::int64_t>(now.tick, 0);  // before the first: as in it
+    return nodes_.at(node).module->run_tests(now);
   } catch (const std::exception& error) {
     return {{"embedded tests", false, fmt::format("the module threw: {}", error.what())}};
   } catch (...) {

@@ -1,8 +1,6 @@
 // A running system: a plan's modules, their latest outputs, and the evaluation of one tick.
 #pragma once
 
-#include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +8,8 @@
 
 #include "framework/graph/folding.h"
 #include "framework/graph/plan.h"
+#include "framework/graph/regions.h"
+#include "framework/graph/stand_in.h"
 
 namespace ilss {
 
@@ -26,17 +26,26 @@ struct NodeState {
   Outcome<> outcome = Pending{};
   std::optional<std::size_t> origin =
       {};                  ///< the node whose fault this is, where it came from above
-  bool has_value = false;  ///< `output` holds one
+  bool has_value = false;  ///< `output()` holds one
   bool fresh = false;      ///< made in this tick
-  Output output = {};      ///< the latest output; held while later ticks are pending
+
+  NodeState() = default;
+  NodeState(const NodeState&) = delete;  // others hold where its output is
+  NodeState& operator=(const NodeState&) = delete;
+
+  /// The latest output; held while later ticks are pending. Of a selector: what it has selected,
+  /// where that is.
+  const Output& output() const { return *current_; }
 
  private:
   friend class System;
-  /// A connection: who gives the input, and how old it may be (s; infinite: as it likes).
+  /// A connection: who gives the input, and how old it may be.
   struct Feed {
     const NodeState* producer;
-    double max_age;
+    Duration max_age;
   };
+  Output own_ = {};
+  const Output* current_ = &own_;
   std::vector<Feed> feeds_;
   std::vector<const Output*> inputs_;  ///< the feeds' outputs
   std::uint64_t seed_ = 0;
@@ -44,6 +53,33 @@ struct NodeState {
   std::uint32_t label_count_ = 0;  ///< ... which the module is held to, ...
   bool is_checked_ = false;        ///< ... unless it is held to it where it is made
   bool correlation_unknown_ = false;
+  bool is_given_ = false;
+  bool selects_ = false;
+  bool reads_selectors_ = false;     ///< what feeds it may be another's output in every tick
+  bool has_data_clock_ = false;      ///< and follows it
+  std::int64_t evaluated_tick_ = 0;  ///< of a node on demand: the last one, counted from 1
+};
+
+/// How a system is put together.
+struct SystemOptions {
+  Folding folding = Folding::per_owner;
+  StandIns stand_ins = {};  ///< who takes which module's place; may be empty
+  /// Sources that know when their data were acquired are pending until that time has come.
+  bool follow_data = false;
+};
+
+/// A module that could not be opened, and why.
+struct OpenFault {
+  std::size_t node;
+  Fault fault;
+};
+
+/// Told of a tick's nodes while they are evaluated.
+class NodeObserver {
+ public:
+  virtual ~NodeObserver() = default;
+  /// A node is done: evaluated, or found to have nothing to do.
+  virtual void end_node(std::size_t node) = 0;
 };
 
 /// A plan's modules at work. Copies nothing of the plan, which must outlive it.
@@ -51,36 +87,55 @@ class System {
  public:
   /// Creates the modules; an exception in a constructor becomes the fault `internal` of that node
   /// at every tick. Each module's random numbers follow from `seed`, its name and the tick.
-  System(const Plan& plan, std::uint64_t seed, Folding folding = Folding::per_owner);
+  System(const Plan& plan, std::uint64_t seed, SystemOptions options);
+  System(const Plan& plan, std::uint64_t seed, Folding folding = Folding::per_owner)
+      : System(plan, seed, SystemOptions{.folding = folding}) {}
+  /// Closes the modules.
+  ~System();
+
+  System(const System&) = delete;
+  System& operator=(const System&) = delete;
 
   const Plan& plan() const { return *plan_; }
+  const Regions& regions() const { return regions_; }
   const NodeState& node(std::size_t i) const { return nodes_[i]; }
   std::size_t size() const { return nodes_.size(); }
   std::int64_t ticks() const { return tick_; }
+  Time time() const { return time_; }  ///< of the last tick
+  /// Whether a node's output comes from outside.
+  bool is_given(std::size_t node) const { return nodes_[node].is_given_; }
 
-  /// Evaluates the next tick at `time` (s since the start; must not run backwards).
-  void evaluate(double time);
-  /// As above, and tells an observer: `begin_tick()`, `end_node(i)` after each node, `end_tick()`.
+  /// Opens what the modules read, once. One that cannot be opened, or throws, gives that fault at
+  /// every tick. The first tick opens what nobody has opened.
+  std::vector<OpenFault> open();
+
+  /// Evaluates the next tick (times must not run backwards).
+  void evaluate(Time time);
+  /// As above, and tells an observer: `begin_tick()`, `end_node(i)` after each node that has its
+  /// turn, `end_tick()`.
   template <typename Observer>
-  void evaluate(double time, Observer& observer) {
+  void evaluate(Time time, Observer& observer) {
     begin_tick(time);
     observer.begin_tick();
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      evaluate_node(i);
+    for (const std::size_t i : regions_.always()) {
+      evaluate_node(i, &observer);
       observer.end_node(i);
     }
     observer.end_tick();
   }
 
-  /// Evaluates for prediction: expected errors, nothing acquired. Nodes in `operating_points` take
-  /// that value: with its own error where `has_error`, else with the module's expected error at it.
-  /// Components that are NaN are the module's to say. Nodes that only feed such nodes are left
-  /// pending.
-  struct OperatingPoint {
-    Output value;
-    bool has_error = false;
-  };
-  void expect(const std::map<std::size_t, OperatingPoint>& operating_points);
+  /// The same in parts, for whoever decides on the order: `begin_tick`, then `evaluate_node` for
+  /// every node of `regions().always()`, each after what feeds it and what feeds its branches;
+  /// nodes that do not depend on each other may be evaluated by several threads at once.
+  void begin_tick(Time time);
+  void evaluate_node(std::size_t i, NodeObserver* observer = nullptr);
+
+  /// When the next data of any source were acquired, by their own clocks: when a run that follows
+  /// its data has its next tick. Nothing where no source has such a clock, or all are at their end.
+  std::optional<Time> next_data_time();
+
+  /// Evaluates for prediction: expected errors, nothing acquired.
+  void expect();
 
   /// Gives a module a command between ticks.
   Outcome<> command(std::size_t node, const Command& command);
@@ -92,8 +147,10 @@ class System {
   std::vector<TestReport> run_tests(std::size_t node);
 
  private:
-  void begin_tick(double time);
-  void evaluate_node(std::size_t i);
+  class BranchesOf;
+
+  void connect(std::size_t i);
+  void start_tick(Time time);
   bool take_inputs(std::size_t i);
   void inherit_fault(std::size_t i);
   void report_stale(std::size_t i);
@@ -101,7 +158,8 @@ class System {
   template <typename Call>
   void call_module(std::size_t i, Call call);
   void fold(std::size_t i);
-  Outcome<> take_operating_point(std::size_t i, const OperatingPoint& point);
+  [[gnu::noinline]] void select(std::size_t i, NodeObserver* observer);
+  bool awaits_data(std::size_t i);
   [[gnu::noinline, gnu::cold]] void reject_output(std::size_t i);
   bool worth_folding(std::size_t i) const;
   bool foldable(std::size_t i, const Source& source) const {
@@ -112,11 +170,15 @@ class System {
 
   const Plan* plan_;
   Folding folding_;
+  bool follow_data_;
   PostDominators post_dominators_;
   std::vector<NodeState> nodes_;
+  Regions regions_;
   std::int64_t tick_ = 0;
-  double time_ = 0;
+  Time time_ = {};
   std::uint64_t tick_seed_ = 0;
+  bool is_open_ = false;
+  bool expects_ = false;  ///< this tick is a prediction
 };
 
 }  // namespace ilss

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,7 +19,7 @@ namespace ilss {
 /// so that the same input and seed give the same output.
 struct Evaluation {
   std::int64_t tick = 0;
-  double time = 0;                        ///< s since the start of the run
+  Time time = {};
   std::uint64_t seed = 0;                 ///< of this module at this tick
   std::uint32_t owner = 0;                ///< owner of the sources this module makes
   const Estimate& parameters;             ///< the module's quantities, in declared order
@@ -35,12 +36,12 @@ struct Evaluation {
 /// choice a string.
 using CommandValue = std::variant<std::monostate, double, std::int64_t, bool, std::string>;
 
-/// An instruction from the top: a declared name, its value, and when it is given (s since the
-/// start): from the last tick's time to the next one's, so that what moves can start in between.
+/// An instruction from the top: a declared name, its value, and when it is given: from the last
+/// tick's time to the next one's, so that what moves can start in between.
 struct Command {
   std::string name;
   CommandValue value;
-  double time = 0;
+  Time time = {};
 };
 
 /// What an embedded test found.
@@ -59,21 +60,35 @@ class Module {
   Module(const Module&) = delete;
   Module& operator=(const Module&) = delete;
 
-  /// Evaluates one tick into `output`, whose type and frame are set, whose `acquired` is the oldest
-  /// input's (or the tick's time) and whose buffers hold an earlier tick. The estimate's lineage
-  /// must be complete: the inputs' sources mapped through, the module's own noise as `fresh`
-  /// columns. Must leave `output` alone when pending; on a fault `output` is not used.
+  /// Opens what the module reads (files, devices), before the first tick; what is open already
+  /// stays so. A fault is an error of the run's start. Nothing is evaluated unless this gave none.
+  virtual Outcome<> open() { return {}; }
+
+  /// Closes what it has opened, after the last tick.
+  virtual void close() {}
+
+  /// When the data that the next evaluation gives were acquired, by the clock of what they come
+  /// from (a log's stamps). Nothing where there is no such clock, or no more data. Asked for only
+  /// while the module is open.
+  virtual std::optional<Time> next_time() { return std::nullopt; }
+
+  /// Evaluates one tick into `output`, whose type and frame are set, whose `acquired` is the range
+  /// of its inputs' (or the tick's time) and whose buffers hold an earlier tick. The estimate's
+  /// lineage must be complete: the inputs' sources mapped through, the module's own noise as
+  /// `fresh` columns. Must leave `output` alone when pending; on a fault `output` is not used.
   virtual Outcome<> evaluate(const Evaluation& evaluation, Output& output) = 0;
 
   /// As `evaluate`, but for prediction: the output with its *expected* error, without acquiring.
   /// `operating_point` is the value at which to say it, with no error of its own and NaN for
   /// components that the module knows itself (a sonar's mount), or null where it must know all.
   /// By default a module without an operating point evaluates, and one with an operating point
-  /// knows no error for it.
+  /// knows no error for it. Nobody opens a module for this: one that cannot do without its data
+  /// opens them itself.
   virtual Outcome<> expect(const Evaluation& evaluation, const Output* operating_point,
                            Output& output) {
     if (operating_point != nullptr)
       return Fault{FaultKind::no_error_known, "the module declares no expected error"};
+    if (Outcome<> outcome = open(); outcome.is_fault()) return outcome;
     return evaluate(evaluation, output);
   }
 
@@ -91,8 +106,31 @@ class Module {
   /// recording were left out; one line, empty where there is nothing to tell.
   virtual std::string note() const { return {}; }
 
-  /// Back to the state after construction.
+  /// Back to the state after construction; what is open stays open.
   virtual void reset() {}
+};
+
+/// What a selector may ask of its branches in a tick.
+class Branches {
+ public:
+  virtual ~Branches() = default;
+  virtual std::size_t size() const = 0;
+  /// Evaluates the modules that only this branch needs, once a tick, and tells what it came to.
+  virtual const Outcome<>& evaluate(std::size_t branch) = 0;
+  /// What the branch gave last, also in an earlier tick; null where there is nothing.
+  virtual const Output* output(std::size_t branch) const = 0;
+};
+
+/// A module that selects one of its inputs. The modules that only its branches need are evaluated
+/// when it asks for them, and what it selects is passed on as it is: nothing is copied.
+class Selector : public Module {
+ public:
+  /// The branch whose output is this module's in this tick; it must have been evaluated.
+  virtual Outcome<std::size_t> select(const Evaluation& evaluation, Branches& branches) = 0;
+
+  Outcome<> evaluate(const Evaluation&, Output&) final {
+    return Fault{FaultKind::internal, "a selector has no output of its own"};
+  }
 };
 
 }  // namespace ilss

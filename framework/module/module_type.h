@@ -1,6 +1,7 @@
 // A module's type: what is declared of it once, for the check, the documentation and the schema.
 #pragma once
 
+#include <concepts>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -75,6 +76,7 @@ struct ModuleType {
   bool weighs_errors = false;
   /// Its output is a statement about its inputs that has no error of its own, such as a test's.
   bool states_no_error = false;
+  bool selects = false;  ///< a Selector: its inputs are branches, evaluated on demand
   /// Its outputs are checked where they are made: finite, with as many numbers as its payload has.
   bool checked = false;
 
@@ -152,6 +154,7 @@ requires std::derived_from<M, Module> ModuleType module_type() {
   ModuleType type;
   internal::fill_declarations<M>(type);
   type.kind = M::kind;
+  type.selects = std::derived_from<M, Selector>;
   type.interface = []([[maybe_unused]] const Settings& settings) {
     if constexpr (requires { M::interface(); })
       return M::interface();

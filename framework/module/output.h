@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "framework/estimate/estimate.h"
+#include "framework/module/time.h"
 
 namespace ilss {
 
@@ -24,7 +25,7 @@ struct Output {
   Estimate estimate;
   Samples samples = {};
   std::vector<Estimate> elements = {};
-  double acquired = 0;  ///< time of acquisition of the oldest data in it (s)
+  Acquisition acquired = {};  ///< when the data in it were acquired
 };
 
 }  // namespace ilss

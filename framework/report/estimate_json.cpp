@@ -110,7 +110,7 @@ Json outputs_json(const System& system, const SourceOwners& owners,
   const auto one = [&](std::size_t o) -> Json {
     const NodeState& state = system.node(nodes[o]);
     if (!state.outcome.has_output()) return nullptr;
-    return one_output_json(state.output, owners, verdicts[o]);
+    return one_output_json(state.output(), owners, verdicts[o]);
   };
   if (nodes.size() == 1) return one(0);
   Json json;
@@ -123,7 +123,7 @@ Json outputs_json(const System& system, const SourceOwners& owners,
       const NodeState& second = system.node(nodes[b]);
       if (!first.outcome.has_output() || !second.outcome.has_output()) continue;
       const Eigen::MatrixXd covariance =
-          cross_covariance(first.output.estimate.lineage, second.output.estimate.lineage);
+          cross_covariance(first.output().estimate.lineage, second.output().estimate.lineage);
       if (covariance.isZero(0)) continue;
       cross.push_back({{"outputs", {a, b}}, {"covariance", matrix_json(covariance)}});
     }

@@ -21,7 +21,7 @@ void Agreement::observe(const System& system) {
     const NodeState& a = system.node(system.plan().outputs[pair.first]);
     const NodeState& b = system.node(system.plan().outputs[pair.second]);
     if (!a.fresh || !b.fresh) continue;
-    const NormalizedError innovation = nis(a.output.estimate, b.output.estimate);
+    const NormalizedError innovation = nis(a.output().estimate, b.output().estimate);
     if (innovation.rank == 0) continue;
     ++pair.compared;
     if (innovation.value <= chi_square_quantile(innovation.rank, probability)) ++pair.agreed;

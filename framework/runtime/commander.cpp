@@ -3,12 +3,6 @@
 #include <algorithm>
 
 namespace ilss {
-namespace {
-
-/// Ticks at multiples of a period miss the times that users write by a few roundings.
-constexpr double rounding = 1e-12;
-
-}  // namespace
 
 Commander::Commander(const Plan& plan) : plan_(&plan) {
   for (std::size_t i = 0; i < plan.commands.size(); ++i) {
@@ -22,16 +16,16 @@ Commander::Commander(const Plan& plan) : plan_(&plan) {
 void Commander::schedule(ScheduledCommand command) {
   scheduled_.erase(scheduled_.begin(), scheduled_.begin() + static_cast<std::ptrdiff_t>(next_));
   next_ = 0;
-  const auto place = std::upper_bound(
-      scheduled_.begin(), scheduled_.end(), command.time,
-      [](double time, const ScheduledCommand& later) { return time < later.time; });
+  const auto place =
+      std::upper_bound(scheduled_.begin(), scheduled_.end(), command.time,
+                       [](Time time, const ScheduledCommand& later) { return time < later.time; });
   scheduled_.insert(place, std::move(command));
 }
 
-void Commander::give_due(System& system, double time) {
+void Commander::give_due(System& system, Time time) {
   given_.clear();
   give_driven(system);
-  for (; next_ < scheduled_.size() && scheduled_[next_].time <= time * (1 + rounding); ++next_) {
+  for (; next_ < scheduled_.size() && scheduled_[next_].time <= time; ++next_) {
     ScheduledCommand& due = scheduled_[next_];
     give_one(system, due.command,
              {.name = plan_->commands[due.command].declaration->name,
@@ -45,7 +39,7 @@ void Commander::give_driven(System& system) {
     const NodeState& driver = system.node(drive.from.node);
     if (!driver.fresh) continue;
     drive.to_give.time = last_tick_;
-    drive.to_give.value = driver.output.estimate.value[drive.from.component];
+    drive.to_give.value = driver.output().estimate.value[drive.from.component];
     give_one(system, drive.command, drive.to_give);
   }
 }

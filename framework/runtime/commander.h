@@ -31,9 +31,8 @@ class Commander {
   /// @pre The command is one of the plan's, its value of the declared kind, its time a number.
   void schedule(ScheduledCommand command);
 
-  /// Gives what is due before the next tick, at `time` (s). A time that is later by rounding alone
-  /// counts as reached.
-  void give(System& system, double time) {
+  /// Gives what is due before the next tick, at `time`.
+  void give(System& system, Time time) {
     if (!idle()) [[unlikely]]
       give_due(system, time);
     last_tick_ = time;
@@ -56,7 +55,7 @@ class Commander {
 
   /// Whether no command is driven, waits, or was given last time.
   bool idle() const { return drives_.empty() && waiting() == 0 && given_.empty(); }
-  void give_due(System& system, double time);
+  void give_due(System& system, Time time);
   void give_driven(System& system);
   void give_one(System& system, std::size_t command, const Command& to_give);
 
@@ -66,7 +65,7 @@ class Commander {
   std::size_t next_ = 0;
   std::vector<GivenCommand> given_;
   std::uint64_t refused_ = 0;
-  double last_tick_ = 0;  ///< its time (s)
+  Time last_tick_ = {};  ///< its time
 };
 
 }  // namespace ilss

@@ -25,7 +25,7 @@ Runner::Runner(const Plan& plan, std::uint64_t seed, Folding folding)
       latencies_(plan.nodes.size()),
       outcomes_(plan.nodes.size()) {}
 
-void Runner::step(double time) {
+void Runner::step(Time time) {
   commander_.give(system_, time);
   ClockReader reader{clock_, readings_.data()};
   system_.evaluate(time, reader);

@@ -41,8 +41,8 @@ class Runner {
   explicit Runner(const Plan& plan, std::uint64_t seed = 0, Folding folding = Folding::per_owner);
 
   /// Gives the modules the commands that are due, as Commander says, then evaluates the next tick
-  /// at `time` (s since the start; must not run backwards).
-  void step(double time);
+  /// at `time` (must not run backwards).
+  void step(Time time);
 
   /// Takes a command from outside, to be given when its time has come.
   void schedule(ScheduledCommand command) { commander_.schedule(std::move(command)); }

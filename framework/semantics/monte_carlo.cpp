@@ -35,7 +35,7 @@ class Trials {
       Offsets& output = outputs_.emplace_back();
       output.node = node;
       const bool there = system.node(node).outcome.has_output();
-      output.components.assign(there ? system.node(node).output.estimate.dimension() : 0,
+      output.components.assign(there ? system.node(node).output().estimate.dimension() : 0,
                                std::vector<double>(trials));
     }
   }
@@ -69,7 +69,7 @@ class Trials {
       for (auto& component : output.components) component[trial] = nan;
       return;
     }
-    const Estimate& first_order = system_.node(output.node).output.estimate;
+    const Estimate& first_order = system_.node(output.node).output().estimate;
     const Estimate& drawn = perturbation.value(output.node);
     for (std::size_t c = 0; c < output.components.size(); ++c) {
       const double offset = drawn.value[c] - first_order.value[c];
@@ -178,7 +178,7 @@ MonteCarloOutput summarise(Offsets& output, const Estimate& first_order, std::si
 std::vector<MonteCarloOutput> summarise(Trials& run, const System& system, std::size_t trials) {
   std::vector<MonteCarloOutput> results;
   for (Offsets& output : run.outputs())
-    results.push_back(summarise(output, system.node(output.node).output.estimate, trials));
+    results.push_back(summarise(output, system.node(output.node).output().estimate, trials));
   return results;
 }
 

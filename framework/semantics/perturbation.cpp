@@ -65,7 +65,7 @@ Perturbation::Perturbation(const System& system, const std::vector<std::size_t>&
   for (Step& step : steps_) {
     if (step.dead) continue;
     if (step.role == Role::moved)
-      step.output_sources = places_of(system.node(step.node).output.estimate.lineage);
+      step.output_sources = places_of(system.node(step.node).output().estimate.lineage);
     else
       step.parameter_sources = places_of(plan.nodes[step.node].parameters.lineage);
   }
@@ -98,9 +98,9 @@ void Perturbation::prepare(Step& step) {
     step.failed = true;
     return;
   }
-  step.output = state.output;
+  step.output = state.output();
   if (!with_lineages_) step.output.estimate.lineage.reset(step.output.estimate.dimension());
-  if (step.role == Role::moved) return collect(state.output.estimate.lineage, false);
+  if (step.role == Role::moved) return collect(state.output().estimate.lineage, false);
   step.module = node.type->create(node.settings);
   step.seed = derive_seed(0, node.name);
   step.parameters = node.parameters;
@@ -132,7 +132,7 @@ void Perturbation::apply(std::span<const double> errors, std::uint64_t seed) {
   for (Step& step : steps_) {
     if (step.dead) continue;
     if (step.role == Role::moved)
-      move(system_.node(step.node).output.estimate, step.output_sources, errors,
+      move(system_.node(step.node).output().estimate, step.output_sources, errors,
            step.output.estimate.value);
     else
       redo(step, errors, seed);
@@ -156,7 +156,7 @@ void Perturbation::redo(Step& step, std::span<const double> errors, std::uint64_
     move(node.parameters, step.parameter_sources, errors, step.parameters.value);
   if (node.type->kind != ModuleKind::function) step.module->reset();
   const Evaluation evaluation{.tick = 0,
-                              .time = 0,
+                              .time = {},
                               .seed = derive_seed(seed, step.seed),
                               .owner = static_cast<std::uint32_t>(step.node),
                               .parameters = step.parameters,
@@ -169,7 +169,7 @@ void Perturbation::redo(Step& step, std::span<const double> errors, std::uint64_
   if (step.role == Role::simulated) move_simulated(step, errors);
   if (step.output.estimate.labels.empty()) return;
   step.changed_label |=
-      step.output.estimate.labels != system_.node(step.node).output.estimate.labels;
+      step.output.estimate.labels != system_.node(step.node).output().estimate.labels;
 }
 
 void Perturbation::move_simulated(Step& step, std::span<const double> errors) const {

@@ -87,7 +87,7 @@ class Probe {
       output.node = node;
       output.there = system.node(node).outcome.has_output();
       if (!output.there) continue;
-      output.directions = directions_of(system.node(node).output.estimate);
+      output.directions = directions_of(system.node(node).output().estimate);
       output.moments.resize(static_cast<std::size_t>(output.directions.rows()));
     }
     move_each();
@@ -116,7 +116,7 @@ class Probe {
       }
       output.changes_label |= perturbation_.changed_label(output.node);
       offset = output.directions * difference(perturbation_.value(output.node),
-                                              system_.node(output.node).output.estimate.value);
+                                              system_.node(output.node).output().estimate.value);
     }
     return result;
   }
@@ -207,7 +207,7 @@ Sizes sizes_of(const System& system, const Perturbation& perturbation) {
     }
   };
   for (const std::size_t node : perturbation.nodes()) {
-    take(system.node(node).output.estimate);
+    take(system.node(node).output().estimate);
     take(system.plan().nodes[node].parameters);
   }
   return result;
@@ -395,7 +395,7 @@ std::vector<VerdictReport> judge(const System& system, const std::vector<std::si
   std::vector<Judgement> judgements;
   judgements.reserve(probe.outputs().size());
   for (const ProbedOutput& output : probe.outputs())
-    judgements.emplace_back(output, system.node(output.node).output.estimate, sizes,
+    judgements.emplace_back(output, system.node(output.node).output().estimate, sizes,
                             system.plan().nodes[output.node].type->states_no_error);
   const auto glance = run_monte_carlo(system, perturbation, glance_trials, pilot_seed);
   std::vector<bool> doubtful;

@@ -84,7 +84,7 @@ CasePrediction predict(const Plan& plan, std::uint64_t seed) {
   for (const std::size_t node : prediction.time.unknown)
     prediction.unknown.push_back(plan.nodes[node].name);
   System system(plan, seed);
-  system.expect({});
+  system.expect();
   const NodeState& output = system.node(plan.outputs.front());
   if (!output.outcome.has_output()) {
     prediction.fault = output.outcome.is_fault()
@@ -92,7 +92,7 @@ CasePrediction predict(const Plan& plan, std::uint64_t seed) {
                            : Fault{FaultKind::no_error_known, "no output is expected"};
     return prediction;
   }
-  const Estimate& estimate = output.output.estimate;
+  const Estimate& estimate = output.output().estimate;
   prediction.value = estimate.value;
   for (std::size_t c = 0; c < estimate.dimension(); ++c)
     prediction.standard_deviation.push_back(estimate.lineage.standard_deviation(c));
@@ -109,7 +109,7 @@ void run(const Study& study, const Plan& plan, std::uint64_t seed, ErrorCollecto
   Estimate drawn;
   for (std::int64_t r = 0; r < study.runs; ++r) {
     const std::uint64_t start = clock.now();
-    system.evaluate(static_cast<double>(r));
+    system.evaluate(time_at(static_cast<double>(r)));
     measurement.time->record(clock.nanoseconds(start, clock.now()));
     const NodeState& state = system.node(output);
     if (state.outcome.is_pending()) {
@@ -117,7 +117,7 @@ void run(const Study& study, const Plan& plan, std::uint64_t seed, ErrorCollecto
     } else if (state.outcome.is_fault()) {
       errors.add_fault(state.outcome.fault());
     } else if (!study.draw_systematic_errors) {
-      errors.add_output(state.output.estimate);
+      errors.add_output(state.output().estimate);
     } else {
       const auto run_seed = derive_seed(seed, static_cast<std::uint64_t>(r));
       if (const Outcome<> outcome = draw_systematic_errors(system, run_seed, drawn))
@@ -135,11 +135,11 @@ Outcome<Estimate> true_value(const StudySource& truth, std::uint64_t seed) {
   if (const auto* recorded = std::get_if<Outcome<Estimate>>(&truth)) return *recorded;
   const Plan& plan = std::get<Plan>(truth);
   System system(plan, seed);
-  system.evaluate(0);
+  system.evaluate(Time{});
   const NodeState& state = system.node(plan.outputs.front());
   if (state.outcome.is_fault()) return state.outcome.fault();
   if (state.outcome.is_pending()) return Pending{};
-  return state.output.estimate;
+  return state.output().estimate;
 }
 
 CaseAlternative carry_out(const Study& study, const StudySource& source, const Estimate* truth,

@@ -26,14 +26,14 @@ struct MatchedElement {
 using TickElements = std::optional<std::vector<Estimate>>;
 
 /// Measures the modules of a tick but for simulated sensors, whose time is no device's.
-class WorkTimer {
+class WorkTimer final : public NodeObserver {
  public:
   explicit WorkTimer(const Plan& plan) : plan_(plan) {}
   void begin_tick() {
     sum_ = 0;
     last_ = clock_.now();
   }
-  void end_node(std::size_t node) {
+  void end_node(std::size_t node) override {
     const std::uint64_t now = clock_.now();
     if (!plan_.nodes[node].interface.draws_readings) sum_ += clock_.nanoseconds(last_, now);
     last_ = now;
@@ -59,11 +59,11 @@ std::vector<TickElements> run_reference(const Plan& plan, const Study& study,
   System system(plan, study.seed);
   std::vector<TickElements> ticks;
   for (std::int64_t r = 0; r < study.runs; ++r) {
-    system.evaluate(static_cast<double>(r));
+    system.evaluate(time_at(static_cast<double>(r)));
     const NodeState& state = system.node(plan.outputs.front());
     TickElements& elements = ticks.emplace_back();
     if (state.outcome.has_output())
-      elements = state.output.elements;
+      elements = state.output().elements;
     else if (state.outcome.is_fault())
       count_fault(state.outcome.fault(), faults);
   }
@@ -209,13 +209,13 @@ AlternativeRun run_alternative(const Plan& plan, const Study& study,
   WorkTimer timer(plan);
   const std::size_t output = plan.outputs.front();
   for (std::int64_t r = 0; r < study.runs; ++r) {
-    system.evaluate(static_cast<double>(r), timer);
+    system.evaluate(time_at(static_cast<double>(r)), timer);
     run.result.time.record(timer.nanoseconds());
     const NodeState& state = system.node(output);
     std::span<const Estimate> found;
     if (state.outcome.has_output()) {
       ++run.result.outputs;
-      found = state.output.elements;
+      found = state.output().elements;
     } else if (state.outcome.is_fault()) {
       count_fault(state.outcome.fault(), run.result.faults);
     } else {

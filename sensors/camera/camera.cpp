@@ -95,12 +95,16 @@ Outcome<> Camera::expect(const Evaluation& evaluation, const Output* operating_p
   return {};
 }
 
+Outcome<> Camera::open() {
+  if (options_.input.scene || source_ != nullptr) return {};
+  auto opened = open_frames({options_.input.images, options_.input.video, options_.input.device});
+  if (!opened) return opened.fault();
+  source_ = std::move(*opened);
+  return {};
+}
+
 Outcome<> Camera::acquire(Output& output) {
-  if (source_ == nullptr) {
-    auto opened = open_frames({options_.input.images, options_.input.video, options_.input.device});
-    if (!opened) return opened.fault();
-    source_ = std::move(*opened);
-  }
+  if (Outcome<> outcome = open(); !outcome) return outcome;  // anew after a reset
   if (auto outcome = source_->next(output.samples); !outcome) return outcome;
   const auto& shape = output.samples.shape;
   if (shape[0] != static_cast<std::size_t>(options_.rows) ||

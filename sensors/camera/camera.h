@@ -78,6 +78,7 @@ class Camera final : public Module {
   static Interface interface(const Options& options);
 
   explicit Camera(Options options);
+  Outcome<> open() override;
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override;
   /// The scene without noise, which `standard_deviations` then states; or the operating point.
   Outcome<> expect(const Evaluation& evaluation, const Output* operating_point,

@@ -57,6 +57,7 @@ bool FeatureLog::is_left_out(std::string_view line) const {
 }
 
 Outcome<> FeatureLog::open() {
+  if (log_ != nullptr) return {};
   auto opened = TextLog::open(options_.file);
   if (!opened) return opened.fault();
   const TextLog& log = **opened;
@@ -152,12 +153,10 @@ void FeatureLog::emit(const Evaluation& evaluation, const RecordedSet& set, Outp
   }
   assign<RangeFeatures>(output.estimate, {segments});
   output.estimate.correlation_unknown = true;
-  output.acquired = evaluation.time - set.time.age;
+  output.acquired = Acquisition::at(evaluation.time - duration_of(set.time.age));
 }
 
 Outcome<> FeatureLog::evaluate(const Evaluation& evaluation, Output& output) {
-  if (log_ == nullptr)
-    if (Outcome<> outcome = open(); !outcome) return outcome;
   for (;;) {
     const std::size_t before = next_;
     auto set = columns_ ? read_rows() : read_line();

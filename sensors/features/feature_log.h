@@ -49,12 +49,12 @@ class FeatureLog final : public Module {
 
   explicit FeatureLog(Options options) : options_(std::move(options)) {}
 
+  Outcome<> open() override;
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override;
   std::string note() const override { return skipped_.text(); }
   void reset() override;
 
  private:
-  Outcome<> open();
   Outcome<std::optional<RecordedSet>> read_line();
   Outcome<std::optional<RecordedSet>> read_rows();
   bool is_left_out(std::string_view line) const;

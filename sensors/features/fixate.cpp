@@ -81,7 +81,7 @@ const Estimate* Fixate::choose(const std::vector<Estimate>& features, double tim
 
 Outcome<> Fixate::evaluate(const Evaluation& evaluation, Output& output) {
   const Output& features = *evaluation.inputs[0];
-  const double time = evaluation.time;
+  const double time = seconds(evaluation.time);
   const Estimate* edge = choose(features.elements, time);
   if (edge == nullptr) {
     ++missed_;

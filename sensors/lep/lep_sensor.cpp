@@ -85,7 +85,7 @@ Outcome<> LepSensor::command(const Command& command) {
       return Fault{FaultKind::refused,
                    fmt::format("{:.6g} deg is beyond the head's stops at ±{:.6g} deg",
                                *value / degree, options_.drive.stop / degree)};
-    head_.turn_to(*value, command.time);
+    head_.turn_to(*value, seconds(command.time));
     return {};
   }
   if (command.name == "rotate_at") {
@@ -93,7 +93,7 @@ Outcome<> LepSensor::command(const Command& command) {
       return Fault{FaultKind::refused,
                    fmt::format("{:.6g} deg/s is faster than the drive's {:.6g} deg/s",
                                *value / degree, options_.drive.fastest / degree)};
-    head_.turn_at(*value, command.time);
+    head_.turn_at(*value, seconds(command.time));
     return {};
   }
   return Module::command(command);
@@ -153,7 +153,7 @@ Outcome<> LepSensor::scan(const Evaluation& evaluation, std::int64_t last, doubl
   make_lep_readings(output, count);
   if (count == 0)
     return Fault{FaultKind::no_detection, "none of the tick's readings found a surface"};
-  output.acquired = readings.front().time;
+  output.acquired = {time_at(readings.front().time), time_at(readings.back().time)};
   assign<LepScan>(output.estimate, {correlation_, options_.beam.width});
   return {};
 }
@@ -163,8 +163,9 @@ Outcome<> LepSensor::evaluate(const Evaluation& evaluation, Output& output) {
   if (evaluation.tick == 0) memory_.noise = draw_normal(random);
   const std::int64_t last = (evaluation.tick + 1) * options_.readings - 1;
   Outcome<> outcome = scan(
-      evaluation, last, evaluation.time, memory_, [&] { return draw_normal(random); }, output);
-  head_.forget_before(evaluation.time);
+      evaluation, last, seconds(evaluation.time), memory_, [&] { return draw_normal(random); },
+      output);
+  head_.forget_before(seconds(evaluation.time));
   return outcome;
 }
 
@@ -175,7 +176,8 @@ Outcome<> LepSensor::expect(const Evaluation& evaluation, const Output* operatin
                  "a scan cannot be given as an operating point; it follows from the scene"};
   Memory memory;
   return scan(
-      evaluation, options_.readings - 1, evaluation.time, memory, [] { return 0.0; }, output);
+      evaluation, options_.readings - 1, seconds(evaluation.time), memory, [] { return 0.0; },
+      output);
 }
 
 }  // namespace ilss

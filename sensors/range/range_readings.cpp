@@ -71,7 +71,16 @@ void RangeReadings::reset() {
   skipped_ = {};
 }
 
+/// That of the next scan's last reading, where a column tells times.
+std::optional<Time> RangeReadings::next_time() {
+  if (!columns_.time || next_ >= recording_->rows()) return std::nullopt;
+  const auto time = recording_->number(end_of_scan() - 1, *columns_.time);
+  if (!time) return std::nullopt;
+  return time_at(*time);
+}
+
 Outcome<> RangeReadings::open() {
+  if (recording_ != nullptr) return {};
   auto opened = CsvFile::open(options_.file);
   if (!opened) return opened.fault();
   std::optional<Fault> missing;
@@ -136,7 +145,7 @@ Outcome<> RangeReadings::read_row(std::size_t row, const Evaluation& evaluation,
   const double angle = number(columns_.angle, 0) * to_radians;
   const double head = number(columns_.head, 0) * to_radians;
   const double column_std = number(columns_.range_std, 0) * to_metres;
-  const double time = number(columns_.time, evaluation.time);
+  const double time = number(columns_.time, seconds(evaluation.time));
   if (fault) return *fault;
   const auto p = payload_of<Parameters>(evaluation.parameters);
   if (!(p.scale > 0)) return wrong(fmt::format("a scale of {}; expected one above 0", p.scale));
@@ -171,8 +180,6 @@ Outcome<> RangeReadings::read_row(std::size_t row, const Evaluation& evaluation,
 }
 
 Outcome<> RangeReadings::evaluate(const Evaluation& evaluation, Output& output) {
-  if (recording_ == nullptr)
-    if (Outcome<> outcome = open(); !outcome) return outcome;
   if (next_ >= recording_->rows())
     return Fault{FaultKind::end_of_data,
                  fmt::format("'{}' has {} rows", options_.file.string(), recording_->rows())};
@@ -191,7 +198,9 @@ Outcome<> RangeReadings::evaluate(const Evaluation& evaluation, Output& output) 
   if (count == 0)
     return Fault{FaultKind::no_detection,
                  fmt::format("{}: no row of the scan has a range", recording_->place(begin))};
-  output.acquired = columns_.time ? readings.front().time : evaluation.time;
+  output.acquired = Acquisition::at(evaluation.time);
+  if (columns_.time)
+    output.acquired = {time_at(readings.front().time), time_at(readings[count - 1].time)};
   make_readings(output, count);
   const auto p = payload_of<Parameters>(evaluation.parameters);
   assign<RangeScan>(output.estimate, {p.mount_x, p.mount_z, p.mount_heading, 0, 0, 0, 0, 0,

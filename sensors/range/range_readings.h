@@ -79,6 +79,8 @@ class RangeReadings final : public Module {
 
   explicit RangeReadings(Options options) : options_(std::move(options)) {}
 
+  Outcome<> open() override;
+  std::optional<Time> next_time() override;
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override;
   std::string note() const override { return skipped_.text(); }
   void reset() override;
@@ -89,7 +91,6 @@ class RangeReadings final : public Module {
     std::optional<std::size_t> range_std, head, time;
   };
 
-  Outcome<> open();
   std::size_t end_of_scan() const;
   Outcome<> read_row(std::size_t row, const Evaluation& evaluation, RangeReading& reading) const;
 

@@ -88,6 +88,17 @@ double Sonar::standard_deviation(double range) const {
   return std::hypot(error.constant, error.proportional * range);
 }
 
+Outcome<> Sonar::open() {
+  if (!options_.input.csv || recording_ != nullptr) return {};
+  auto opened = CsvFile::open(options_.input.csv->file);
+  if (!opened) return opened.fault();
+  const auto column = (*opened)->find_column(options_.input.csv->column);
+  if (!column) return column.fault();
+  recording_ = *opened;
+  column_ = *column;
+  return {};
+}
+
 Outcome<> Sonar::evaluate(const Evaluation& evaluation, Output& output) {
   if (evaluation.tick % options_.period != 0) return Pending{};
   auto range = acquire(evaluation, static_cast<std::size_t>(evaluation.tick / options_.period));
@@ -102,6 +113,7 @@ Outcome<> Sonar::evaluate(const Evaluation& evaluation, Output& output) {
 Outcome<> Sonar::expect(const Evaluation& evaluation, const Output* operating_point,
                         Output& output) {
   if (operating_point == nullptr) {
+    if (Outcome<> outcome = open(); !outcome) return outcome;
     const auto range = acquire(evaluation, 0);
     if (!range) return range.fault();
     return emit(evaluation, *range, output);
@@ -113,7 +125,7 @@ Outcome<> Sonar::expect(const Evaluation& evaluation, const Output* operating_po
   return {};
 }
 
-Outcome<double> Sonar::acquire(const Evaluation& evaluation, std::size_t reading) {
+Outcome<double> Sonar::acquire(const Evaluation& evaluation, std::size_t reading) const {
   if (options_.input.scene) return scene_range(evaluation.parameters);
   if (options_.input.csv) return recorded_range(*options_.input.csv, reading);
   if (reading < options_.input.values.size()) return options_.input.values[reading].range;
@@ -121,15 +133,7 @@ Outcome<double> Sonar::acquire(const Evaluation& evaluation, std::size_t reading
                fmt::format("all {} given readings are used up", options_.input.values.size())};
 }
 
-Outcome<double> Sonar::recorded_range(const RangeColumn& source, std::size_t reading) {
-  if (recording_ == nullptr) {
-    auto opened = CsvFile::open(source.file);
-    if (!opened) return opened.fault();
-    const auto column = (*opened)->find_column(source.column);
-    if (!column) return column.fault();
-    recording_ = *opened;
-    column_ = *column;
-  }
+Outcome<double> Sonar::recorded_range(const RangeColumn& source, std::size_t reading) const {
   if (reading >= recording_->rows())
     return Fault{FaultKind::end_of_data,
                  fmt::format("'{}' has {} rows", source.file.string(), recording_->rows())};

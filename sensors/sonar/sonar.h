@@ -93,6 +93,7 @@ class Sonar final : public Module {
 
   explicit Sonar(Options options) : options_(std::move(options)) {}
 
+  Outcome<> open() override;
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override;
 
   /// The error model at the operating point's range; components that the point leaves out (NaN)
@@ -102,8 +103,8 @@ class Sonar final : public Module {
 
  private:
   double standard_deviation(double range) const;
-  Outcome<double> acquire(const Evaluation& evaluation, std::size_t reading);
-  Outcome<double> recorded_range(const RangeColumn& source, std::size_t reading);
+  Outcome<double> acquire(const Evaluation& evaluation, std::size_t reading) const;
+  Outcome<double> recorded_range(const RangeColumn& source, std::size_t reading) const;
   Outcome<double> scene_range(const Estimate& parameters) const;
   Outcome<> emit(const Evaluation& evaluation, double range, Output& output) const;
 

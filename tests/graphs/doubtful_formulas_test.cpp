@@ -29,7 +29,7 @@ VerdictReport judged(const std::string& formula, int count, double mean, double 
   const auto plan = build_plan(graph, ".", registry, {}, diagnostics);
   for (const Diagnostic& d : diagnostics.sorted()) ADD_FAILURE() << format_diagnostic(d);
   System system(plan.value(), 1);
-  system.expect({});
+  system.expect();
   return judge(system).at(0);
 }
 

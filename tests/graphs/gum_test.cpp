@@ -17,14 +17,14 @@ class GumExample {
  public:
   explicit GumExample(const std::string& name, const std::vector<std::string>& sets = {})
       : plan_(read(name, sets)), system_(plan_, 1, Folding::none) {
-    system_.expect({});
+    system_.expect();
   }
   const Plan& plan() const { return plan_; }
   const System& system() const { return system_; }
   const Estimate& estimate(std::size_t output = 0) const {
     const NodeState& state = system_.node(plan_.outputs.at(output));
     EXPECT_TRUE(state.outcome.has_output());
-    return state.output.estimate;
+    return state.output().estimate;
   }
   double value(std::size_t component = 0) const { return estimate().value.at(component); }
   double deviation(std::size_t component = 0) const {

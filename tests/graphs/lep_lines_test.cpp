@@ -24,7 +24,7 @@ constexpr double scan_time = 256.0 / 2500;  // s
 
 /// The two walls of scenes/convex_edge.yaml from where the robot stands, 1.2 m before the edge.
 void expect_the_two_walls(const Runner& runner, const Plan& plan, int tick) {
-  const Output& features = runner.system().node(plan.outputs.front()).output;
+  const Output& features = runner.system().node(plan.outputs.front()).output();
   std::vector<const Estimate*> lines;
   for (const Estimate& element : features.elements)
     if (element.type->name == "line_segment") lines.push_back(&element);
@@ -53,7 +53,7 @@ TEST(LepLines, AreTwoInEveryScan) {
   const Plan plan = shipped_plan();
   Runner runner(plan, 1);
   for (int tick = 0; tick < 50; ++tick) {
-    runner.step(scan_time * (tick + 1));
+    runner.step(time_at(scan_time * (tick + 1)));
     expect_the_two_walls(runner, plan, tick);
   }
 }
@@ -68,9 +68,9 @@ TEST(LepLines, StayWhereTheyAreWhileTheHeadTurnsOnCommand) {
   double least = 0;
   double most = 0;
   for (int tick = 0; tick < 40; ++tick) {
-    runner.step(scan_time * (tick + 1));
+    runner.step(time_at(scan_time * (tick + 1)));
     expect_the_two_walls(runner, plan, tick);
-    const auto& samples = runner.system().node(plan.find("lep").value()).output.samples.values;
+    const auto& samples = runner.system().node(plan.find("lep").value()).output().samples.values;
     ASSERT_FALSE(samples.empty());
     const double head = samples[1];  // a row: time, head, ...
     least = std::min(least, head);
@@ -128,8 +128,8 @@ TEST(LepLines, MeanOfManyScansIsAsWrongAsItsCalibrationMakesIt) {
     RandomBits random(derive_seed(seed, run));
     const Plan plan = averaging_plan(random);
     Runner runner(plan, derive_seed(seed + 1, run));
-    for (int tick = 0; tick < 100; ++tick) runner.step(scan_time * (tick + 1));
-    const Estimate& wall = runner.system().node(plan.outputs.front()).output.estimate;
+    for (int tick = 0; tick < 100; ++tick) runner.step(time_at(scan_time * (tick + 1)));
+    const Estimate& wall = runner.system().node(plan.outputs.front()).output().estimate;
     // How far each of its two points lies from the left wall.
     const double half = std::atan2(1.732, 1.0);
     Eigen::Matrix<double, 2, 4> normal = Eigen::Matrix<double, 2, 4>::Zero();

@@ -18,8 +18,8 @@ TEST(LepPoint, CalibrationIsOneSystematicErrorOfEveryPoint) {
   ASSERT_TRUE(plan);
   System system(*plan, 1);
   const auto lineage_at = [&](double time) {
-    system.evaluate(time);
-    return system.node(plan->outputs.front()).output.estimate.lineage;
+    system.evaluate(time_at(time));
+    return system.node(plan->outputs.front()).output().estimate.lineage;
   };
   const Lineage first = lineage_at(0);
   const Lineage second = lineage_at(0.1);

@@ -16,11 +16,11 @@ struct Drawn {
 
   Drawn(const std::string& graph, const std::vector<std::string>& sets, std::size_t trials)
       : plan(read(graph, sets)), system(plan, 1) {
-    system.expect({});
+    system.expect();
     result = run_monte_carlo(system, {}, {.trials = trials}).at(0);
   }
   double first_order(std::size_t c) const {
-    return system.node(plan.outputs.front()).output.estimate.lineage.standard_deviation(c);
+    return system.node(plan.outputs.front()).output().estimate.lineage.standard_deviation(c);
   }
   double deviation(std::size_t c) const {
     const auto i = static_cast<Eigen::Index>(c);

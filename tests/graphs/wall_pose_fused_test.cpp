@@ -21,13 +21,13 @@ Plan shipped_plan() {
 }
 
 const Estimate& estimate_of(const System& system, const std::string& node) {
-  return system.node(system.plan().find(node).value()).output.estimate;
+  return system.node(system.plan().find(node).value()).output().estimate;
 }
 
 TEST(WallPoseFused, IsPredictedToBeBetterThanEitherSystem) {
   const Plan plan = shipped_plan();
   System system(plan, 1);
-  system.expect({});
+  system.expect();
   const Estimate& fused = estimate_of(system, "fused");
   for (const char* alone : {"vision_pose", "sonar_pose"})
     for (std::size_t c = 0; c < 2; ++c)
@@ -45,7 +45,7 @@ TEST(WallPoseFused, RandomErrorsOfTheRunAreAsStated) {
   const std::vector<double> truth = {1.242, 0};
   ConsistencyStatistic statistic;
   for (int tick = 0; tick < 2000; ++tick) {
-    system.evaluate(0.1 * tick);
+    system.evaluate(time_at(0.1 * tick));
     Estimate fused = estimate_of(system, "fused");
     Lineage random(2);  // a run's constants are as stated
     for (std::size_t k = 0; k < fused.lineage.size(); ++k)

@@ -16,7 +16,7 @@ class SonarsAtWall {
  public:
   explicit SonarsAtWall(const std::string& heading)
       : plan_(read(heading)), system_(std::make_unique<System>(plan_, 1)) {
-    system_->expect({});
+    system_->expect();
   }
   VerdictReport verdict() const { return judge(*system_).at(0); }
   MonteCarloOutput drawn(std::size_t trials) const {

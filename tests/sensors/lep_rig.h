@@ -70,7 +70,7 @@ struct LepRig {
     const double period = static_cast<double>(options.readings) / options.reading_rate;
     output.estimate = Estimate(descriptor<LepScan>(), "lep");
     const Evaluation evaluation{.tick = tick,
-                                .time = period * static_cast<double>(tick + 1),
+                                .time = time_at(period * static_cast<double>(tick + 1)),
                                 .seed = derive_seed(seed, static_cast<std::uint64_t>(tick)),
                                 .parameters = sensor_parameters,
                                 .inputs = {}};

@@ -16,7 +16,7 @@ struct Tick {
   std::uint32_t owner = 1;
 
   Evaluation evaluation() const {
-    return {tick, 0.1 * static_cast<double>(tick), seed, owner, parameters, inputs};
+    return {tick, time_at(0.1 * static_cast<double>(tick)), seed, owner, parameters, inputs};
   }
 };
 
@@ -28,6 +28,8 @@ struct ModuleRun {
 
 inline ModuleRun run(Module& module, const Tick& tick) {
   ModuleRun result;
+  result.outcome = module.open();
+  if (!result.outcome) return result;
   result.outcome = module.evaluate(tick.evaluation(), result.output);
   return result;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 namespace ilss {
 namespace {
@@ -37,6 +38,8 @@ void LaserLog::reset() {
   beams_ = 0;
   time_ = -std::numeric_limits<double>::infinity();
   passed_ = 0;
+  has_begun_ = false;
+  ahead_.reset();
   skipped_ = {};
 }
 
@@ -62,12 +65,12 @@ void LaserLog::emit(const Evaluation& evaluation, const LaserRecord& record, Out
                                       .bearing_std = options_.bearing_std,
                                       .quantum = options_.quantum,
                                       .max_range = options_.no_return});
-  output.acquired = evaluation.time;
+  output.acquired = Acquisition::at(evaluation.time);
 }
 
 /// Whether a CSV's scan is like the one before it: nothing else tells a cut line, or one without
 /// its time.
-Outcome<> LaserLog::goes_on(const LaserRecord& record) const {
+Outcome<> LaserLog::check_against_last(const LaserRecord& record) const {
   if (options_.format != LaserLogFormat::csv || beams_ == 0) return {};
   if (record.ranges.size() != beams_)
     return Fault{FaultKind::bad_data, fmt::format("{} ranges; expected {}, as in the scan before",
@@ -80,13 +83,16 @@ Outcome<> LaserLog::goes_on(const LaserRecord& record) const {
   return {};
 }
 
-Outcome<> LaserLog::evaluate(const Evaluation& evaluation, Output& output) {
-  if (log_ == nullptr) {
-    auto opened = TextLog::open(options_.file);
-    if (!opened) return opened.fault();
-    log_ = *opened;
-  }
-  const bool had_scan = next_ != 0;
+Outcome<> LaserLog::open() {
+  if (log_ != nullptr) return {};
+  auto opened = TextLog::open(options_.file);
+  if (!opened) return opened.fault();
+  log_ = *opened;
+  return {};
+}
+
+/// The next scan from the first wanted one on; nothing at the log's end.
+Outcome<std::optional<LaserRecord>> LaserLog::read_next() {
   while (next_ < log_->lines()) {
     const std::size_t line = next_++;
     auto record = parse(log_->line(line));
@@ -95,7 +101,7 @@ Outcome<> LaserLog::evaluate(const Evaluation& evaluation, Output& output) {
       ++passed_;
       continue;
     }
-    const Outcome<> good = record ? goes_on(**record) : Outcome<>(record.fault());
+    const Outcome<> good = record ? check_against_last(**record) : Outcome<>(record.fault());
     if (!good) {
       Fault fault{good.fault().kind,
                   fmt::format("{}:{}: {}", options_.file.string(), line + 1, good.fault().message)};
@@ -105,10 +111,27 @@ Outcome<> LaserLog::evaluate(const Evaluation& evaluation, Output& output) {
     }
     beams_ = (*record)->ranges.size();
     time_ = (*record)->time;
+    return record;
+  }
+  return std::optional<LaserRecord>();
+}
+
+std::optional<Time> LaserLog::next_time() {
+  if (!ahead_) ahead_ = read_next();
+  if (!*ahead_ || !**ahead_) return std::nullopt;
+  return time_at((**ahead_)->time);
+}
+
+Outcome<> LaserLog::evaluate(const Evaluation& evaluation, Output& output) {
+  const bool is_first = !std::exchange(has_begun_, true);
+  const Outcome<std::optional<LaserRecord>> record =
+      ahead_ ? *std::exchange(ahead_, std::nullopt) : read_next();
+  if (!record) return record.fault();
+  if (*record) {
     emit(evaluation, **record, output);
     return {};
   }
-  if (!had_scan)
+  if (is_first)
     return lost(fmt::format("'{}' has no {} scan{}", options_.file.string(),
                             choices(options_.format)[static_cast<std::size_t>(options_.format)],
                             options_.first > 0 ? " from the first wanted on" : ""));

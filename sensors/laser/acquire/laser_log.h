@@ -26,11 +26,11 @@ constexpr std::array<std::string_view, 5> choices(LaserLogFormat) {
 /// Sensor: scans of a log, one a tick: CARMEN's FLASER, RLASER or ROBOTLASER1 messages, URG-04LX
 /// logs, or CSV. Ranges from `no_return` on, below `min_range` or not above 0 are no returns. The
 /// error of a range is what the data sheet says (`range_std`, `quantum`), the same at every range.
-/// Ticks follow the run's clock, not the log's. A CSV has the time in s, then ranges in m from the
-/// right to the left; its times rise and all its scans have as many ranges.
-/// Faults, with file and line: bad_data where a line is no scan (with `skip_bad` left out and
-/// counted); end_of_data after the last scan; device_lost where the file cannot be read or has no
-/// scan.
+/// A scan a tick, or, in a run that follows its data, each at the log's own time. A CSV has the
+/// time in s, then ranges in m from the right to the left; its times rise and all its scans have as
+/// many ranges. Faults, with file and line: bad_data where a line is no scan (with `skip_bad` left
+/// out and counted); end_of_data after the last scan; device_lost where the file cannot be read or
+/// has no scan.
 class LaserLog final : public Module {
  public:
   static constexpr std::string_view name = "laser_log";
@@ -58,23 +58,29 @@ class LaserLog final : public Module {
 
   explicit LaserLog(Options options) : options_(std::move(options)) {}
 
+  Outcome<> open() override;
+  std::optional<Time> next_time() override;
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override;
   std::string note() const override { return skipped_.text(); }
   void reset() override;
 
  private:
   Outcome<std::optional<LaserRecord>> parse(std::string_view line) const;
-  Outcome<> goes_on(const LaserRecord& record) const;
+  Outcome<> check_against_last(const LaserRecord& record) const;
+  Outcome<std::optional<LaserRecord>> read_next();
   void emit(const Evaluation& evaluation, const LaserRecord& record, Output& output);
 
   Options options_;
   std::shared_ptr<const TextLog> log_;
   std::size_t next_ = 0;     ///< line
   std::int64_t passed_ = 0;  ///< scans before the first wanted one
+  bool has_begun_ = false;   ///< whether a tick has asked for a scan
   std::size_t beams_ = 0;    ///< of the last scan
   double time_ =
       -std::numeric_limits<double>::infinity();  ///< of the last scan, by the log's clock
   SkippedLines skipped_;
+  /// The scan, fault or end that comes next, where somebody has asked for its time.
+  std::optional<Outcome<std::optional<LaserRecord>>> ahead_;
 };
 
 }  // namespace ilss

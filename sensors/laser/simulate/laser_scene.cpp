@@ -20,7 +20,7 @@ Outcome<> LaserScene::scan(const Evaluation& evaluation, bool noisy, Output& out
   stand_ = *stand;
   world_.scan(evaluation, *stand, noisy, make_beams(output, world_.sweep().beams));
   assign<LaserScan>(output.estimate, world_.description(evaluation));
-  output.acquired = evaluation.time - world_.sweep().duration;
+  output.acquired = {evaluation.time - duration_of(world_.sweep().duration), evaluation.time};
   return {};
 }
 

@@ -159,7 +159,7 @@ Outcome<> LaserSceneFeatures::evaluate(const Evaluation& evaluation, Output& out
   trace_beams(world_.caster(), world_.sweep(), *stand, beams_);
   find_pieces(world_.scene(), beams_, pieces_);
   Writer(*this, stand->robot, output).write();
-  output.acquired = evaluation.time;
+  output.acquired = Acquisition::at(evaluation.time);
   return {};
 }
 

@@ -36,7 +36,7 @@ Outcome<> LaserSceneSegments::evaluate(const Evaluation& evaluation, Output& out
                                           .bearing_std = scan.bearing_std,
                                           .quantum = scan.quantum,
                                           .max_range = scan.max_range});
-  output.acquired = evaluation.time - world_.sweep().duration;
+  output.acquired = {evaluation.time - duration_of(world_.sweep().duration), evaluation.time};
   return {};
 }
 

@@ -57,7 +57,8 @@ Outcome<LaserStand> LaserWorld::enter(const Evaluation& evaluation) {
   const ScenePose mount{p.mount_x, p.mount_z, p.mount_heading};
   if (options_.scene) {
     const ScenePose start{p.robot_x, p.robot_z, p.robot_heading};
-    return LaserStand{drive(start, options_.speed, options_.turn_rate, evaluation.time), mount};
+    return LaserStand{drive(start, options_.speed, options_.turn_rate, seconds(evaluation.time)),
+                      mount};
   }
   if (const std::int64_t map = evaluation.tick / options_.scans_per_map; map != map_) {
     set_scene(generate_room(derive_seed(evaluation.seed, "room")));

@@ -27,7 +27,7 @@ TEST(ConstantsFile, VectorWithACovarianceIsOneBlockOfPersistentSources) {
   folder.write("fit.yaml", "value: {offset: 1 mm, shift: 2 m}\ncovariance: [[4, 0.5], [0.5, 1]]\n");
   const Plan plan = plan_of(graph, {}, folder.path());
   System system(plan, 1);
-  system.evaluate(0);
+  system.evaluate(time_at(0));
   // What the readings share, the offset, is gone; the shift's variance is in m².
   EXPECT_DOUBLE_EQ(output_of(system).value[0], 2);
   EXPECT_NEAR(output_of(system).lineage.variance(0), 1, 1e-12);

@@ -260,8 +260,8 @@ TEST_P(FoldingOfRandomGraphs, GivesTheCovarianceOfADenseJacobian) {
     const RandomGraph graph(seed);
     const Plan plan = plan_of(graph.text());
     System system(plan, 1, GetParam());
-    system.evaluate(0);
-    system.evaluate(1);
+    system.evaluate(time_at(0));
+    system.evaluate(time_at(1));
     // The graph's last combine names the outputs.
     const std::size_t before = plan.outputs.size() - graph.outputs().size();
     for (std::size_t a = 0; a < graph.outputs().size(); ++a) {
@@ -301,9 +301,9 @@ network: {serial: [combine: [a, b], m, c]}
   System whole(plan, 1, Folding::none);
   System system(plan, 1, Folding::per_owner);
   System least(plan, 1, Folding::all);
-  whole.evaluate(0);
-  system.evaluate(0);
-  least.evaluate(0);
+  whole.evaluate(time_at(0));
+  system.evaluate(time_at(0));
+  least.evaluate(time_at(0));
   EXPECT_EQ(output_of(whole).lineage.size(), 4u);
   EXPECT_EQ(output_of(system).lineage.size(), 2u);
   EXPECT_EQ(output_of(least).lineage.size(), 1u);
@@ -318,7 +318,7 @@ network: {serial: [a, combine: [up, down], s]}
 )");
   for (const Folding folding : {Folding::none, Folding::per_owner, Folding::all}) {
     System system(plan, 1, folding);
-    system.evaluate(0);
+    system.evaluate(time_at(0));
     EXPECT_GT(estimate_of(system, "up").lineage.variance(0), 0);
     EXPECT_EQ(output_of(system).value[0], 0.0);
     EXPECT_EQ(output_of(system).lineage.variance(0), 0.0);
@@ -331,10 +331,10 @@ modules: {a: {type: reading, value_std: 1 mm, noise: normal}, b: {type: reading,
 network: {serial: [combine: [a, b], s]}
 )");
   System system(plan, 1);
-  system.evaluate(0);
+  system.evaluate(time_at(0));
   const std::vector<Source> first(estimate_of(system, "b").lineage.sources().begin(),
                                   estimate_of(system, "b").lineage.sources().end());
-  system.evaluate(1);
+  system.evaluate(time_at(1));
   EXPECT_EQ(estimate_of(system, "b").lineage.sources()[0], first[0]);
   EXPECT_NEAR(output_of(system).lineage.variance(0), 2e-6, 1e-15);
 }
@@ -356,7 +356,7 @@ TEST(SharedConstant, CrossCovarianceAgreesWithMonteCarloAndIndependenceDoesNot) 
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   Plan plan = plan_of(shared_target);
   System expected(plan, seed);
-  expected.expect({});
+  expected.expect();
   const double stated =
       cross_covariance(output_of(expected, 0).lineage, output_of(expected, 1).lineage)(0, 0);
   const double left = output_of(expected, 0).value[0];
@@ -372,7 +372,7 @@ TEST(SharedConstant, CrossCovarianceAgreesWithMonteCarloAndIndependenceDoesNot) 
     const double drawn = height(random);
     for (const char* line : {"left_line", "right_line"})
       plan.nodes[plan.find(line).value()].parameters.value[0] = drawn;
-    system.evaluate(i);
+    system.evaluate(time_at(i));
     const double product =
         (output_of(system, 0).value[0] - left) * (output_of(system, 1).value[0] - right);
     sum += product;

@@ -96,8 +96,8 @@ network: {serial: [combine: [once, which], pick]}
     System system(plan, 1, folding);
     std::vector<Estimate> picked;
     for (int tick = 0; tick < 3; ++tick) {
-      system.evaluate(tick);
-      picked.push_back(system.node(plan.outputs[0]).output.estimate);
+      system.evaluate(time_at(tick));
+      picked.push_back(system.node(plan.outputs[0]).output().estimate);
     }
     const std::vector<double> weights(3, 1.0 / 3);
     EXPECT_NEAR(linear_combination(picked, weights).lineage.variance(0), 1.0 / 3, 1e-12)
@@ -108,7 +108,7 @@ network: {serial: [combine: [once, which], pick]}
 TEST(System, OutputThatIsNotFiniteIsAFaultOfItsSensor) {
   const Plan plan = plan_of("modules: {rogue: {type: rogue}}\nnetwork: rogue\n");
   System system(plan, 1);
-  system.evaluate(0);
+  system.evaluate(time_at(0));
   ASSERT_TRUE(system.node(0).outcome.is_fault());
   EXPECT_EQ(system.node(0).outcome.fault().kind, FaultKind::not_finite);
   EXPECT_FALSE(system.node(0).has_value);

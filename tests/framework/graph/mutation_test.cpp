@@ -249,8 +249,8 @@ TEST(MutatedGraphs, GiveAPlanOrMessages) {
     ++plans;
     ASSERT_NO_THROW({
       System system(*plan, seed);
-      system.expect({});
-      system.evaluate(0);
+      system.expect();
+      system.evaluate(time_at(0));
     }) << text;
   }
   EXPECT_GT(plans, count / 50);

@@ -120,8 +120,8 @@ network:
     - s
 )");
   const std::vector<PlanInput>& inputs = plan.nodes[plan.find("s").value()].inputs;
-  EXPECT_DOUBLE_EQ(inputs[0].max_age.value(), 0.005);
-  EXPECT_DOUBLE_EQ(inputs[1].max_age.value(), 0.020);
+  EXPECT_EQ(inputs[0].max_age.value(), duration_of(0.005));
+  EXPECT_EQ(inputs[1].max_age.value(), duration_of(0.020));
 }
 
 TEST(PlanBuilder, FrameComesFromTheFirstInputUnlessDeclared) {
@@ -186,7 +186,7 @@ modules: {left: {type: {ilss: arm.yaml}}, right: {type: {ilss: arm.yaml}}, s: {t
 network: {serial: [combine: [left, right], s]}
 )");
   System system(p, 1);
-  system.evaluate(0);
+  system.evaluate(time_at(0));
   // 3 (1 mm, 2 mm) on each side: variance 2 x 9 x 5 mm².
   EXPECT_NEAR(output_of(system).lineage.variance(0), 90e-6, 1e-12);
   EXPECT_EQ(blamed(p, output_of(system).lineage),
@@ -203,7 +203,7 @@ modules:
 network: {serial: [combine: [left, right], s]}
 )");
   System system(p, 1);
-  system.evaluate(0);
+  system.evaluate(time_at(0));
   EXPECT_DOUBLE_EQ(estimate_of(system, "left.gain").value[0], 9.0);
   // Of what differs between the arms, only the play is left: 2 x 9 x 4 mm².
   EXPECT_NEAR(output_of(system).lineage.variance(0), 72e-6, 1e-12);
@@ -227,7 +227,7 @@ modules:
 network: {serial: [combine: [left, right], s]}
 )");
   System system(p, 1);
-  system.evaluate(0);
+  system.evaluate(time_at(0));
   EXPECT_DOUBLE_EQ(estimate_of(system, "left.g").value[0], 2.005);
   EXPECT_GT(estimate_of(system, "left.g").lineage.variance(0), 0.01);
   EXPECT_EQ(output_of(system).lineage.variance(0), 0.0);
@@ -241,7 +241,7 @@ modules:
 network: arm
 )");
   System system(p, 1);
-  system.evaluate(0);
+  system.evaluate(time_at(0));
   EXPECT_DOUBLE_EQ(output_of(system).value[0], 4.0);
   EXPECT_EQ(blamed(p, output_of(system).lineage), (Names{"size", "arm.length", "arm.gain.gain"}));
 }
@@ -303,7 +303,7 @@ TEST(Overrides, SetQuantitiesGroupsOptionsTimesAndConstants) {
   EXPECT_DOUBLE_EQ(plan.nodes[0].parameters.value[1], 0.007);
   EXPECT_DOUBLE_EQ(plan.nodes[0].time->typical, 0.003);
   System system(plan, 1);
-  system.evaluate(0);
+  system.evaluate(time_at(0));
   EXPECT_DOUBLE_EQ(output_of(system).value[0], 3 * (2 + 0.007 + 0.001) + 0.01);
   EXPECT_NEAR(plan.nodes[1].parameters.lineage.variance(0), 0.04, 1e-15);
 }

@@ -310,7 +310,7 @@ TEST(RandomGraphs, HaveTheCovarianceOfADenseJacobianFoldedOrNot) {
     graph.evaluate(constants);
     for (const Folding folding : {Folding::none, Folding::per_owner, Folding::all}) {
       System system(plan, 1, folding);
-      system.evaluate(0);
+      system.evaluate(time_at(0));
       correlated += compare(graph, system);
       check_budgets(system);
       if (HasFatalFailure()) return;

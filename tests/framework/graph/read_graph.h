@@ -70,11 +70,11 @@ class Folder {
 };
 
 inline const Estimate& output_of(const System& system, std::size_t i = 0) {
-  return system.node(system.plan().outputs.at(i)).output.estimate;
+  return system.node(system.plan().outputs.at(i)).output().estimate;
 }
 
 inline const Estimate& estimate_of(const System& system, const std::string& node) {
-  return system.node(system.plan().find(node).value()).output.estimate;
+  return system.node(system.plan().find(node).value()).output().estimate;
 }
 
 /// The owners' names that an estimate's budget blames.

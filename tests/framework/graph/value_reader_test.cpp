@@ -161,7 +161,7 @@ modules: {a: {type: reading, bias: $k}, b: {type: reading, mount: {x: $k}}, s: {
 network: {serial: [combine: [a, b], s]}
 )");
   System system(plan, 1);
-  system.evaluate(0);
+  system.evaluate(time_at(0));
   EXPECT_EQ(test::estimate_of(system, "a").lineage.size(), 1u);
   EXPECT_EQ(test::output_of(system).lineage.variance(0), 0.0);
 }
@@ -175,7 +175,7 @@ modules:
 network: {serial: [combine: [a, b], s]}
 )");
   System system(plan, 1);
-  system.evaluate(0);
+  system.evaluate(time_at(0));
   EXPECT_NEAR(test::output_of(system).lineage.variance(0), 2e-6, 1e-15);
 }
 

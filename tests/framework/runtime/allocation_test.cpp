@@ -16,9 +16,9 @@ std::size_t allocations_of(const std::string& text, Folding folding) {
   const Plan plan = plan_of(text);
   Runner runner(plan, 1, folding);
   int tick = 0;
-  for (; tick < 100; ++tick) runner.step(0.01 * tick);
+  for (; tick < 100; ++tick) runner.step(time_at(0.01 * tick));
   const std::size_t before = allocation_count;
-  for (; tick < 1100; ++tick) runner.step(0.01 * tick);
+  for (; tick < 1100; ++tick) runner.step(time_at(0.01 * tick));
   const std::size_t counted = allocation_count - before;
   for (std::size_t i = 0; i < runner.system().size(); ++i)
     EXPECT_GT(runner.outcomes(i).outputs, 500U) << plan.nodes[i].name;
@@ -92,14 +92,14 @@ TEST(Allocation, FoldingEightSourcesTogetherLeavesOneRandomColumnATickOfTheSameV
   System folded(plan, 1, Folding::all);
   System whole(plan, 1, Folding::none);
   for (int tick = 0; tick < 4; ++tick) {
-    folded.evaluate(tick);
-    whole.evaluate(tick);
+    folded.evaluate(time_at(tick));
+    whole.evaluate(time_at(tick));
     const auto sum = plan.find("sum").value();
-    const Lineage& lineage = folded.node(sum).output.estimate.lineage;
+    const Lineage& lineage = folded.node(sum).output().estimate.lineage;
     // One column of this tick, and one that a held reading brings along from the tick before.
     EXPECT_LE(lineage.size(), 2U);
-    EXPECT_EQ(whole.node(sum).output.estimate.lineage.size(), 11U);
-    EXPECT_NEAR(lineage.variance(0), whole.node(sum).output.estimate.lineage.variance(0), 1e-9);
+    EXPECT_EQ(whole.node(sum).output().estimate.lineage.size(), 11U);
+    EXPECT_NEAR(lineage.variance(0), whole.node(sum).output().estimate.lineage.variance(0), 1e-9);
   }
 }
 

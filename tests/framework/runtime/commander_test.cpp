@@ -31,14 +31,14 @@ void schedule(Runner& runner, const std::string& name, CommandValue value, doubl
 /// A node's value after a tick.
 double value_of(const Runner& runner, const std::string& node) {
   const System& system = runner.system();
-  return system.node(system.plan().find(node).value()).output.estimate.value.at(0);
+  return system.node(system.plan().find(node).value()).output().estimate.value.at(0);
 }
 
 /// The first node's values over so many ticks of 0.1 s.
 std::vector<double> values_over(Runner& runner, int ticks) {
   std::vector<double> values;
   for (int tick = 0; tick < ticks; ++tick) {
-    runner.step(0.1 * tick);
+    runner.step(time_at(0.1 * tick));
     values.push_back(value_of(runner, "dial"));
   }
   return values;
@@ -63,10 +63,10 @@ TEST(Commander, ATickAtTheVeryTimeIsNotMissedByRounding) {
   const Plan plan = plan_of(dial);
   Runner runner(plan);
   schedule(runner, "set", 7.0, 2.1);
-  for (int tick = 0; tick < 3; ++tick) runner.step(0.7 * tick);
+  for (int tick = 0; tick < 3; ++tick) runner.step(time_at(0.7 * tick));
   EXPECT_EQ(value_of(runner, "dial"), 0);
   ASSERT_LT(0.7 * 3, 2.1);
-  runner.step(0.7 * 3);
+  runner.step(time_at(0.7 * 3));
   EXPECT_EQ(value_of(runner, "dial"), 7);
 }
 
@@ -77,7 +77,7 @@ TEST(Commander, GivesCommandsByTimeThenInTheOrderGiven) {
   schedule(runner, "set", 10.0, 0.2);
   schedule(runner, "add", 2.0, 0.2);
   schedule(runner, "set", 50.0, 0.1);
-  runner.step(0.3);
+  runner.step(time_at(0.3));
   EXPECT_EQ(value_of(runner, "dial"), 12);
   std::vector<CommandValue> values;
   for (const GivenCommand& given : runner.commander().given()) values.push_back(given.value);
@@ -88,14 +88,14 @@ TEST(Commander, TellsTheModuleATimeBetweenTheLastTickAndTheNext) {
   const Plan plan = plan_of(dial);
   Runner runner(plan);
   schedule(runner, "time", 0.0, 0.25);
-  for (const double time : {0.1, 0.2, 0.3}) runner.step(time);
+  for (const double time : {0.1, 0.2, 0.3}) runner.step(time_at(time));
   EXPECT_EQ(value_of(runner, "dial"), 0.25);
-  runner.step(0.4);  // nothing waits any more
+  runner.step(time_at(0.4));  // nothing waits any more
   schedule(runner, "time", 0.0, 0.05);
-  runner.step(0.5);
+  runner.step(time_at(0.5));
   EXPECT_EQ(value_of(runner, "dial"), 0.4);
   schedule(runner, "time", 0.0, 0.6 * (1 + 1e-15));
-  runner.step(0.6);
+  runner.step(time_at(0.6));
   EXPECT_EQ(value_of(runner, "dial"), 0.6);
 }
 
@@ -106,7 +106,7 @@ network: {combine: [dial, counter]}
 commands: {turn: {to: dial.time, from: counter}}
 )");
   Runner runner(plan);
-  for (const double time : {0.0, 0.1, 0.3, 0.7}) runner.step(time);
+  for (const double time : {0.0, 0.1, 0.3, 0.7}) runner.step(time_at(time));
   EXPECT_EQ(value_of(runner, "dial"), 0.3);
 }
 
@@ -114,13 +114,13 @@ TEST(Commander, TakesCommandsWhileTheSystemRuns) {
   const Plan plan = plan_of(dial);
   Runner runner(plan);
   schedule(runner, "set", 1.0, 0);
-  runner.step(0.0);
+  runner.step(time_at(0.0));
   schedule(runner, "set", 3.0, 0.2);
   schedule(runner, "set", 2.0, 0.0);  // as soon as possible
   EXPECT_EQ(runner.commander().waiting(), 2U);
-  runner.step(0.1);
+  runner.step(time_at(0.1));
   EXPECT_EQ(value_of(runner, "dial"), 2);
-  runner.step(0.2);
+  runner.step(time_at(0.2));
   EXPECT_EQ(value_of(runner, "dial"), 3);
   EXPECT_EQ(runner.commander().waiting(), 0U);
 }
@@ -129,13 +129,13 @@ TEST(Commander, TellsWhatCameOfTheCommandsBeforeTheLastTickOnly) {
   const Plan plan = plan_of(dial);
   Runner runner(plan);
   schedule(runner, "text", std::string("hello"), 0);
-  runner.step(0);
+  runner.step(time_at(0));
   ASSERT_EQ(runner.commander().given().size(), 1U);
   const GivenCommand& given = runner.commander().given()[0];
   EXPECT_EQ(plan.commands[given.command].name, "text");
   EXPECT_EQ(given.value, CommandValue(std::string("hello")));
   EXPECT_TRUE(given.outcome.has_output());
-  runner.step(0.1);
+  runner.step(time_at(0.1));
   EXPECT_TRUE(runner.commander().given().empty());
 }
 
@@ -144,7 +144,7 @@ TEST(Commander, ARefusedCommandHasItsReasonAndTheRunGoesOn) {
   Runner runner(plan);
   schedule(runner, "set", -1.0, 0);
   schedule(runner, "add", 5.0, 0);
-  runner.step(0);
+  runner.step(time_at(0));
   ASSERT_EQ(runner.commander().given().size(), 2U);
   const Outcome<>& refused = runner.commander().given()[0].outcome;
   ASSERT_TRUE(refused.is_fault());
@@ -160,7 +160,7 @@ TEST(Commander, AModuleThatThrowsAtACommandIsAtFaultWithinAndTheRunGoesOn) {
   Runner runner(plan);
   schedule(runner, "set", 1000.0, 0);  // throws
   schedule(runner, "add", false, 0);   // not as declared: the module throws, too
-  runner.step(0);
+  runner.step(time_at(0));
   for (const GivenCommand& given : runner.commander().given()) {
     ASSERT_TRUE(given.outcome.is_fault());
     EXPECT_EQ(given.outcome.fault().kind, FaultKind::internal);
@@ -175,7 +175,7 @@ TEST(Commander, AModuleThatCouldNotBeMadeSaysWhyItFollowsNoCommand) {
       "modules: {dial: {type: dial, broken: true}}\nnetwork: dial\ncommands: {set: dial.set}\n");
   Runner runner(plan);
   schedule(runner, "set", 1.0, 0);
-  runner.step(0);
+  runner.step(time_at(0));
   EXPECT_EQ(runner.commander().given()[0].outcome.fault().message,
             "cannot be created: no such dial");
 }
@@ -238,7 +238,7 @@ commands: {set: {to: dial.set, from: sum}, add: dial.add}
     schedule(runner, "add", 0.25, 0.7);
     std::vector<double> result;
     for (int tick = 0; tick < 50; ++tick) {
-      runner.step(0.1 * tick);
+      runner.step(time_at(0.1 * tick));
       result.push_back(value_of(runner, "sum"));
     }
     return result;
@@ -265,7 +265,7 @@ TEST(Commander, ADrivenCommandOfANestedSystemStaysDriven) {
   schedule(runner, "inner.add", 100.0, 0.2);
   std::vector<double> values;
   for (int tick = 0; tick < 4; ++tick) {
-    runner.step(0.1 * tick);
+    runner.step(time_at(0.1 * tick));
     values.push_back(value_of(runner, "inner.dial"));
   }
   EXPECT_EQ(values, (std::vector<double>{0, 11, 112, 113}));

@@ -29,7 +29,7 @@ network:
 TEST(Runner, CountsEachOutcomeByModule) {
   const Plan plan = plan_of(mixed);
   Runner runner(plan, 1);
-  for (int tick = 0; tick < 10; ++tick) runner.step(tick);
+  for (int tick = 0; tick < 10; ++tick) runner.step(time_at(tick));
   const auto outcomes = [&](const char* name) { return runner.outcomes(plan.find(name).value()); };
   EXPECT_EQ(outcomes("fast").outputs, 9U);
   EXPECT_EQ(outcomes("fast").faults(FaultKind::no_detection), 1U);
@@ -42,7 +42,7 @@ TEST(Runner, CountsEachOutcomeByModule) {
 TEST(Runner, LatencyHoldsTheTicksInWhichTheModuleWorked) {
   const Plan plan = plan_of(mixed);
   Runner runner(plan, 1);
-  for (int tick = 0; tick < 10; ++tick) runner.step(tick);
+  for (int tick = 0; tick < 10; ++tick) runner.step(time_at(tick));
   const auto count = [&](const char* name) {
     return runner.latency(plan.find(name).value()).count();
   };
@@ -56,7 +56,7 @@ TEST(Runner, ModuleTimesAddUpToTheTickWithinRounding) {
   const Plan plan = plan_of(mixed);
   Runner runner(plan, 1);
   for (int tick = 0; tick < 100; ++tick) {
-    runner.step(tick);
+    runner.step(time_at(tick));
     std::uint64_t sum = 0;
     for (std::size_t i = 0; i < plan.nodes.size(); ++i) sum += runner.compute_ns(i);
     EXPECT_LE(sum, runner.compute_ns());
@@ -70,14 +70,14 @@ TEST(Runner, SameSeedGivesTheSameOutputsBitForBitMeasuredOrNot) {
   Runner again(plan, 42);
   System bare(plan, 42);
   for (int tick = 0; tick < 200; ++tick) {
-    measured.step(0.1 * tick);
-    again.step(0.1 * tick);
+    measured.step(time_at(0.1 * tick));
+    again.step(time_at(0.1 * tick));
     bare.evaluate(0.1 * tick);
     for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
-      const Output& one = measured.system().node(i).output;
+      const Output& one = measured.system().node(i).output();
       for (const System* other :
            {static_cast<const System*>(&bare), static_cast<const System*>(&again.system())}) {
-        const Output& two = other->node(i).output;
+        const Output& two = other->node(i).output();
         ASSERT_EQ(one.estimate.value, two.estimate.value);
         ASSERT_EQ(one.acquired, two.acquired);
         ASSERT_TRUE(
@@ -97,7 +97,7 @@ modules:
 network: {serial: [never, next]}
 )");
   Runner runner(plan);
-  runner.step(0);
+  runner.step(time_at(0));
   const Profile profile = runner.profile();
   EXPECT_EQ(profile.plan, "profiled");
   ASSERT_EQ(profile.modules.size(), 1U);

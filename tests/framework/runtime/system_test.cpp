@@ -14,7 +14,7 @@ const NodeState& node(const System& system, std::string_view name) {
   return system.node(system.plan().find(name).value());
 }
 double value(const System& system, std::string_view name) {
-  return node(system, name).output.estimate.value.at(0);
+  return node(system, name).output().estimate.value.at(0);
 }
 
 TEST(System, InstanceThatFeedsTwoBranchesIsEvaluatedOnceATick) {
@@ -32,11 +32,11 @@ network:
     - difference
 )");
   System system(plan, 1);
-  for (int tick = 0; tick < 3; ++tick) system.evaluate(tick);
+  for (int tick = 0; tick < 3; ++tick) system.evaluate(time_at(tick));
   EXPECT_LT(value(system, "counter"), 4);
   EXPECT_GE(value(system, "counter"), 3);
   EXPECT_EQ(value(system, "difference"), 4);
-  EXPECT_EQ(node(system, "difference").output.estimate.lineage.variance(0), 0);
+  EXPECT_EQ(node(system, "difference").output().estimate.lineage.variance(0), 0);
 }
 
 TEST(System, ModuleWhoseInputsAreNotDueIsPendingAndHoldsItsOutput) {
@@ -48,18 +48,18 @@ modules:
 network: {serial: [counter, next]}
 )");
   System system(plan, 1);
-  system.evaluate(0);
+  system.evaluate(time_at(0));
   EXPECT_TRUE(node(system, "next").outcome.has_output());
-  system.evaluate(1);
+  system.evaluate(time_at(1));
   EXPECT_TRUE(node(system, "next").outcome.is_pending());
   EXPECT_TRUE(node(system, "next").has_value);
   EXPECT_FALSE(node(system, "next").fresh);
   EXPECT_EQ(value(system, "next"), 2);
-  EXPECT_EQ(node(system, "next").output.acquired, 0);
-  system.evaluate(2);
-  system.evaluate(3);
+  EXPECT_EQ(node(system, "next").output().acquired.oldest, time_at(0));
+  system.evaluate(time_at(2));
+  system.evaluate(time_at(3));
   EXPECT_EQ(value(system, "next"), 3);
-  EXPECT_EQ(node(system, "next").output.acquired, 3);
+  EXPECT_EQ(node(system, "next").output().acquired.oldest, time_at(3));
 }
 
 TEST(System, CombineOfTwoRatesTakesTheSlowOnesLatestOutputWithItsSourceAndAge) {
@@ -72,11 +72,11 @@ modules:
 network: {serial: [combine: [fast, slow], difference]}
 )");
   System system(plan, 1);
-  for (int tick = 0; tick < 4; ++tick) system.evaluate(tick);
-  const Output& output = node(system, "difference").output;
+  for (int tick = 0; tick < 4; ++tick) system.evaluate(time_at(tick));
+  const Output& output = node(system, "difference").output();
   EXPECT_TRUE(node(system, "difference").fresh);
   EXPECT_EQ(output.estimate.value[0], value(system, "fast") - value(system, "slow"));
-  EXPECT_EQ(output.acquired, 2);
+  EXPECT_EQ(output.acquired.oldest, time_at(2));
   EXPECT_DOUBLE_EQ(output.estimate.lineage.variance(0), 25);
   std::vector<std::int64_t> ticks;
   for (const Source& source : output.estimate.lineage.sources()) ticks.push_back(source.tick);
@@ -93,11 +93,11 @@ modules:
 network: {serial: [combine: [fast, late], difference]}
 )");
   System system(plan, 1);
-  system.evaluate(0);
-  system.evaluate(1);
+  system.evaluate(time_at(0));
+  system.evaluate(time_at(1));
   EXPECT_TRUE(node(system, "difference").outcome.is_pending());
   EXPECT_FALSE(node(system, "difference").has_value);
-  system.evaluate(2);
+  system.evaluate(time_at(2));
   EXPECT_EQ(value(system, "difference"), 2);
 }
 
@@ -116,7 +116,7 @@ network:
   System system(plan, 1);
   std::vector<bool> stale;
   for (int tick = 0; tick < 5; ++tick) {
-    system.evaluate(0.1 * tick);
+    system.evaluate(time_at(0.1 * tick));
     const NodeState& state = node(system, "difference");
     stale.push_back(state.outcome.is_fault());
     if (!state.outcome.is_fault()) continue;
@@ -138,7 +138,7 @@ modules:
 network: {serial: [combine: {of: [fast, delayed], max_age: 0.5 s}, difference]}
 )");
   System system(plan, 1);
-  system.evaluate(10);
+  system.evaluate(time_at(10));
   ASSERT_TRUE(node(system, "difference").outcome.is_fault());
   EXPECT_EQ(node(system, "difference").outcome.fault().kind, FaultKind::stale);
 }
@@ -153,8 +153,8 @@ modules:
 network: {serial: [counter, first, second]}
 )");
   System system(plan, 1);
-  system.evaluate(0);
-  system.evaluate(1);
+  system.evaluate(time_at(0));
+  system.evaluate(time_at(1));
   for (const char* name : {"counter", "first", "second"}) {
     const NodeState& state = node(system, name);
     ASSERT_TRUE(state.outcome.is_fault()) << name;
@@ -163,7 +163,7 @@ network: {serial: [counter, first, second]}
     EXPECT_EQ(state.origin, system.plan().find("counter"));
     EXPECT_FALSE(state.has_value);
   }
-  system.evaluate(2);
+  system.evaluate(time_at(2));
   EXPECT_TRUE(node(system, "second").outcome.has_output());
   EXPECT_FALSE(node(system, "second").origin.has_value());
   EXPECT_EQ(value(system, "second"), 4);
@@ -179,13 +179,13 @@ modules:
 network: {serial: [combine: [fast, slow], difference]}
 )");
   System system(plan, 1);
-  system.evaluate(0);
+  system.evaluate(time_at(0));
   EXPECT_TRUE(node(system, "difference").outcome.has_output());
-  system.evaluate(1);
+  system.evaluate(time_at(1));
   EXPECT_TRUE(node(system, "difference").outcome.is_fault());
-  system.evaluate(2);  // `slow` is pending again, its value of tick 0 gone with the fault
+  system.evaluate(time_at(2));  // `slow` is pending again, its value of tick 0 gone with the fault
   EXPECT_TRUE(node(system, "difference").outcome.is_pending());
-  system.evaluate(3);
+  system.evaluate(time_at(3));
   EXPECT_TRUE(node(system, "difference").outcome.has_output());
 }
 
@@ -200,7 +200,7 @@ network: {combine: [thrower, odd, early]}
 )");
   System system(plan, 1);
   for (int tick = 0; tick < 2; ++tick) {
-    system.evaluate(tick);
+    system.evaluate(time_at(tick));
     for (const auto& [name, message] : {std::pair{"thrower", "the module threw: out of luck"},
                                         {"odd", "the module threw"},
                                         {"early", "cannot be created: no such device"}}) {
@@ -224,9 +224,9 @@ TEST(System, SeedsDependOnTheModulesNameAndTheTickNotOnTheOrderInTheFile) {
   System other(second, 7);
   System reseeded(first, 8);
   for (int tick = 0; tick < 10; ++tick) {
-    one.evaluate(tick);
-    other.evaluate(tick);
-    reseeded.evaluate(tick);
+    one.evaluate(time_at(tick));
+    other.evaluate(time_at(tick));
+    reseeded.evaluate(time_at(tick));
     EXPECT_EQ(value(one, "a"), value(other, "a"));
     EXPECT_EQ(value(one, "b"), value(other, "b"));
     EXPECT_NE(value(one, "a"), value(one, "b"));

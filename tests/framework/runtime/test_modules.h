@@ -55,7 +55,7 @@ class Counter final : public Module {
     const double part = options_.std / std::sqrt(static_cast<double>(options_.parts));
     for (std::uint32_t k = 0; options_.std > 0 && k < options_.parts; ++k)
       output.estimate.lineage.add(evaluation.fresh(k), 0, part);
-    output.acquired = evaluation.time - options_.delay;
+    output.acquired = Acquisition::at(evaluation.time - duration_of(options_.delay));
     return {};
   }
 

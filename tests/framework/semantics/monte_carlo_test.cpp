@@ -16,7 +16,7 @@ using test::plan_of;
 
 MonteCarloOutput run(const Plan& plan, const MonteCarloOptions& options = {.trials = 200'000}) {
   System system(plan, 1);
-  system.expect({});
+  system.expect();
   return run_monte_carlo(system, {}, options).at(0);
 }
 
@@ -112,7 +112,7 @@ TEST(MonteCarlo, DrawsWhatAFileHolds) {
       law_of("std: 1 m, distribution: {samples: " + (folder.path() / "die.csv").string() +
              ", column: eyes}");
   System system(plan, 1);
-  system.expect({});
+  system.expect();
   const MonteCarloOutput result = run_monte_carlo(system, {}, {.trials = 10'000}).at(0);
   EXPECT_NEAR(result.covariance(0, 0), 1, 0.05);
   std::vector<double> faces = result.offsets[0];

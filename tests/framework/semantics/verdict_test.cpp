@@ -21,7 +21,7 @@ struct Judged {
       : plan(plan_of("modules: {x: {type: reading, " + x + "}, " + modules +
                      "}\nnetwork: {serial: [" + network + "]}\n")),
         system(plan, 1) {
-    system.expect({});
+    system.expect();
     report = judge(system).at(0);
   }
   double variance() const { return output_of(system).lineage.variance(0); }
@@ -57,7 +57,7 @@ modules: {x: {type: reading, value: 0 m, value_std: 1 mm}, y: {type: reading, va
 network: {serial: [combine: [x, y], p]}
 )");
   System system(plan, 1);
-  system.expect({});
+  system.expect();
   const VerdictReport report = judge(system).at(0);
   EXPECT_EQ(output_of(system).lineage.variance(0), 0);
   EXPECT_EQ(report.verdict, Verdict::monte_carlo_required);
@@ -70,7 +70,7 @@ modules: {x: {type: reading, value: 1 m, value_std: 1 mm}, y: {type: reading, va
 network: {serial: [combine: [x, y], p]}
 )");
   System system(plan, 1);
-  system.expect({});
+  system.expect();
   EXPECT_EQ(judge(system).at(0).verdict, Verdict::linear_ok);
 }
 
@@ -135,12 +135,12 @@ TEST(Verdict, GivenOutputsAreMovedThemselves) {
 modules: {x: {type: reading, value: 1 m, value_std: 1 mm}, r: {type: root}, s: {type: sine}}
 network: {serial: [x, r, s]}
 )");
-  System system(plan, 1);
   const std::size_t r = plan.find("r").value();
   Output given{Estimate(descriptor<test::Scalar>())};
   given.estimate.value = {0.5};
   given.estimate.lineage.add({9, 0, 0}, std::size_t{0}, 2.0);
-  system.expect({{r, {given, true}}});
+  System system(plan, 1, {.stand_ins = given_outputs({{r, {given, true}}})});
+  system.expect();
   EXPECT_EQ(judge(system, {r}).at(0).verdict, Verdict::monte_carlo_required);
 }
 

@@ -117,10 +117,13 @@ TEST(Expression, VisionLineWrittenAsFormulasIsTheModule) {
     for (std::size_t i = 0; i < 3; ++i) given.value[i] = 0.006 * 0.2 / depths[i];
     Eigen::MatrixXd noise = Eigen::MatrixXd::Random(3, 3) * 1e-6;
     given.lineage.add_noise({100, 0, 0}, noise * noise.transpose());
-    System system(plan, 1, Folding::none);
-    system.expect({{*plan.find("target_points"), {Output{given}, true}}});
-    const Estimate& own = system.node(*plan.find("own")).output.estimate;
-    const Estimate& written = system.node(*plan.find("written")).output.estimate;
+    System system(
+        plan, 1,
+        {.folding = Folding::none,
+         .stand_ins = given_outputs({{*plan.find("target_points"), {Output{given}, true}}})});
+    system.expect();
+    const Estimate& own = system.node(*plan.find("own")).output().estimate;
+    const Estimate& written = system.node(*plan.find("written")).output().estimate;
     ASSERT_TRUE(system.node(*plan.find("written")).outcome.has_output());
     expect_same(written, own);
     EXPECT_TRUE(system.node(*plan.find("robot")).outcome.has_output());
@@ -133,9 +136,9 @@ TEST(Expression, AllocatesNothingOnceItRuns) {
       "x: {value: 3 m, std: 1 mm}, y: {value: 2 m, std: 1 mm}",
       "r: {unit: m, formula: 'hypot(x, y)'}, a: {unit: rad, formula: 'atan2(y, x)'}");
   System system(*graph.plan, 1, Folding::none);
-  for (int tick = 0; tick < 3; ++tick) system.evaluate(tick);
+  for (int tick = 0; tick < 3; ++tick) system.evaluate(time_at(tick));
   const std::size_t before = allocation_count;
-  for (int tick = 3; tick < 100; ++tick) system.evaluate(tick);
+  for (int tick = 3; tick < 100; ++tick) system.evaluate(time_at(tick));
   EXPECT_EQ(allocation_count, before);
   EXPECT_TRUE(test::only_output(system).outcome.has_output());
 }

@@ -56,7 +56,7 @@ class Evaluated {
     EXPECT_EQ(graph_.errors, "");
     if (!graph_.plan) throw std::runtime_error("no plan:\n" + graph_.errors);
     system_.emplace(*graph_.plan, 1, Folding::none);
-    system_->expect({});
+    system_->expect();
   }
   const Plan& plan() const { return *graph_.plan; }
   const NodeState& state() const { return only_output(*system_); }

@@ -86,8 +86,8 @@ network: {serial: [{combine: [{serial: [a, of_a]}, {serial: [b, of_b]}]}, fused]
 )");
   EXPECT_TRUE(plan.unknown_correlations.empty());
   System system(plan, 1);
-  for (int tick = 0; tick < 8; ++tick) system.evaluate(tick);
-  const Estimate& fused = system.node(plan.find("fused").value()).output.estimate;
+  for (int tick = 0; tick < 8; ++tick) system.evaluate(time_at(tick));
+  const Estimate& fused = system.node(plan.find("fused").value()).output().estimate;
   EXPECT_FALSE(fused.correlation_unknown);
   EXPECT_NEAR(fused.lineage.standard_deviation(0), 0.03 / 4, 1e-12);
 }
@@ -108,9 +108,9 @@ Errors errors_over_runs(std::uint64_t seed, Folding folding) {
   Errors result;
   for (int r = 0; r < 3000; ++r) {
     System system(plan, derive_seed(seed, static_cast<std::uint64_t>(r)), folding);
-    for (int tick = 0; tick < 15; ++tick) system.evaluate(tick);
+    for (int tick = 0; tick < 15; ++tick) system.evaluate(time_at(tick));
     const auto without_systematic = [&](std::size_t node) {
-      Estimate estimate = system.node(node).output.estimate;
+      Estimate estimate = system.node(node).output().estimate;
       Lineage random(1);
       for (std::size_t k = 0; k < estimate.lineage.size(); ++k)
         if (!estimate.lineage.sources()[k].persistent())
@@ -118,7 +118,7 @@ Errors errors_over_runs(std::uint64_t seed, Folding folding) {
       estimate.lineage = random;
       return estimate;
     };
-    EXPECT_TRUE(system.node(fused).output.estimate.correlation_unknown);
+    EXPECT_TRUE(system.node(fused).output().estimate.correlation_unknown);
     result.fused.add(nees(without_systematic(fused), truth));
     const Estimate a = without_systematic(slow);
     const Estimate b = without_systematic(quick);
@@ -144,8 +144,8 @@ TEST(UnknownCorrelation, FuseIsNotOverconfidentWhereNaiveFusionIs) {
 TEST(UnknownCorrelation, SystematicErrorsComeThroughFusionInFull) {
   const Plan plan = plan_of(graph_of("fuse"));
   System system(plan, 1);
-  for (int tick = 0; tick < 15; ++tick) system.evaluate(tick);
-  const Estimate& fused = system.node(plan.find("fused").value()).output.estimate;
+  for (int tick = 0; tick < 15; ++tick) system.evaluate(time_at(tick));
+  const Estimate& fused = system.node(plan.find("fused").value()).output().estimate;
   double systematic = 0;
   for (std::size_t k = 0; k < fused.lineage.size(); ++k)
     if (fused.lineage.sources()[k].persistent())
@@ -168,10 +168,10 @@ network: {serial: [sensor, once, again]}
   System system(plan, 1);
   double variance_of_once = 0;
   for (int tick = 0; tick < 5; ++tick) {
-    system.evaluate(tick);
-    variance_of_once += system.node(1).output.estimate.lineage.variance(0) / 5;
+    system.evaluate(time_at(tick));
+    variance_of_once += system.node(1).output().estimate.lineage.variance(0) / 5;
   }
-  const Estimate& again = system.node(2).output.estimate;
+  const Estimate& again = system.node(2).output().estimate;
   EXPECT_TRUE(again.correlation_unknown);
   EXPECT_NEAR(again.lineage.variance(0), variance_of_once, 1e-12);
 }
@@ -202,8 +202,8 @@ double nees_of_answer(const std::string& graph, int ticks) {
   ConsistencyStatistic statistic;
   for (std::uint64_t run = 0; run < 1500; ++run) {
     System system(plan, derive_seed(11, run));
-    for (int tick = 0; tick < ticks; ++tick) system.evaluate(tick);
-    statistic.add(nees(system.node(answer).output.estimate, std::vector<double>{1.0}));
+    for (int tick = 0; tick < ticks; ++tick) system.evaluate(time_at(tick));
+    statistic.add(nees(system.node(answer).output().estimate, std::vector<double>{1.0}));
   }
   return statistic.mean();
 }

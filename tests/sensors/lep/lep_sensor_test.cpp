@@ -347,7 +347,8 @@ TEST(LepSensor, ExpectsAScanWithoutNoiseButWithItsError) {
   LepSensor sensor(rig.options);
   Output expected;
   expected.estimate = Estimate(descriptor<LepScan>(), "lep");
-  const Evaluation evaluation{.time = 0.1024, .parameters = rig.sensor_parameters, .inputs = {}};
+  const Evaluation evaluation{
+      .time = time_at(0.1024), .parameters = rig.sensor_parameters, .inputs = {}};
   ASSERT_TRUE(sensor.expect(evaluation, nullptr, expected));
   LepRig still = noiseless(edge_scene(1, 120 * degree));
   const Output exact = still.images(1);

@@ -75,7 +75,7 @@ TEST_F(RangeReadingsTest, ReadsItsColumnsInTheirUnits) {
   const auto readings = readings_of(result.output);
   ASSERT_EQ(readings.size(), 2u);
   EXPECT_EQ(readings[0].time, 0.5);
-  EXPECT_EQ(result.output.acquired, 0.5);
+  EXPECT_EQ(result.output.acquired.oldest, time_at(0.5));
   EXPECT_NEAR(readings[0].head, 10 * degree, 1e-12);
   EXPECT_NEAR(readings[0].bearing, 100 * degree, 1e-12) << "the angle is in the head";
   EXPECT_NEAR(readings[0].inverse_range, 1 / 1.5, 1e-12);

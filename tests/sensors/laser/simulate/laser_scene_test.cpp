@@ -222,7 +222,7 @@ TEST(LaserSceneFeatures, OfADrivingRobotAreThoseFromWhereTheSweepEnds) {
   EXPECT_NEAR(payload_of<LineSegment>(*elements_of(features, "line_segment").at(1)).rho, 4, 1e-12);
   LaserScene laser({.world = world});
   const Output scan = output_of_module(laser, tick);
-  EXPECT_NEAR(scan.acquired, 0.9, 1e-12);
+  EXPECT_EQ(scan.acquired.oldest, time_at(0.9));
   const LaserBeam& middle = beams_of(scan)[185];
   const double moved = 0.1 * (1 - 185.0 / 359);
   EXPECT_NEAR(middle.range, (4 + moved) / std::cos(middle.bearing), 1e-9);
