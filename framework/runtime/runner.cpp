@@ -1,17 +1,30 @@
 #include "framework/runtime/runner.h"
 
+#include <algorithm>
+
 namespace ilss {
 namespace {
 
-/// Notes the clock's readings; what follows from them waits for the tick's end, since conversions
-/// between the readings would count as the modules' time.
-struct ClockReader {
-  const CycleClock& clock;
-  std::uint64_t* next;
+/// Notes what the clock counts for each node; what follows from it waits for the tick's end, since
+/// conversions between the readings would count as the modules' time.
+class ClockReader final : public NodeObserver {
+ public:
+  ClockReader(const CycleClock& clock, std::uint64_t* counts) : clock_(clock), counts_(counts) {}
 
-  void begin_tick() { *next++ = clock.now(); }
-  void end_node(std::size_t /*node*/) { *next++ = clock.now(); }
+  void begin_tick() { first_ = last_ = clock_.now(); }
+  void end_node(std::size_t node) override {
+    const std::uint64_t now = clock_.now();
+    counts_[node] = now - last_;
+    last_ = now;
+  }
   void end_tick() {}
+  std::uint64_t nanoseconds() const { return clock_.nanoseconds(first_, last_); }
+
+ private:
+  const CycleClock& clock_;
+  std::uint64_t* counts_;
+  std::uint64_t first_ = 0;
+  std::uint64_t last_ = 0;
 };
 
 }  // namespace
@@ -20,24 +33,26 @@ Runner::Runner(const Plan& plan, std::uint64_t seed, Folding folding)
     : system_(plan, seed, folding),
       commander_(plan),
       clock_(CycleClock::instance()),
-      readings_(plan.nodes.size() + 1),
+      counts_(plan.nodes.size()),
       compute_ns_(plan.nodes.size()),
       latencies_(plan.nodes.size()),
       outcomes_(plan.nodes.size()) {}
 
 void Runner::step(Time time) {
   commander_.give(system_, time);
-  ClockReader reader{clock_, readings_.data()};
+  if (system_.regions().always().size() != counts_.size())
+    std::fill(counts_.begin(), counts_.end(), 0);  // not all nodes have their turn
+  ClockReader reader(clock_, counts_.data());
   system_.evaluate(time, reader);
   for (std::size_t i = 0; i < system_.size(); ++i) record(i);
-  tick_ns_ = clock_.nanoseconds(readings_.front(), readings_.back());
+  tick_ns_ = reader.nanoseconds();
   end_to_end_.record(tick_ns_);
 }
 
 void Runner::record(std::size_t node) {
   const NodeState& state = system_.node(node);
   OutcomeCounts& counts = outcomes_[node];
-  compute_ns_[node] = clock_.nanoseconds(readings_[node], readings_[node + 1]);
+  compute_ns_[node] = clock_.nanoseconds(0, counts_[node]);
   if (state.outcome.is_pending()) {
     ++counts.pending;
     return;

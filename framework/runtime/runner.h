@@ -75,7 +75,7 @@ class Runner {
   System system_;
   Commander commander_;
   const CycleClock& clock_;
-  std::vector<std::uint64_t> readings_;  ///< of the clock: before the first module, after each
+  std::vector<std::uint64_t> counts_;  ///< of the clock, a node
   std::vector<std::uint64_t> compute_ns_;
   std::vector<LatencyHistogram> latencies_;
   std::vector<OutcomeCounts> outcomes_;
