@@ -26,6 +26,7 @@ class Regions {
   std::span<const std::size_t> on_demand(std::size_t selector) const;
   /// Of these, what one branch needs, in order.
   std::span<const std::size_t> branch(std::size_t selector, std::size_t input) const;
+  bool is_always(std::size_t node) const { return place_[node] == every_tick; }
   /// Whether the node is evaluated at all.
   bool is_needed(std::size_t node) const { return place_[node] != left_out; }
 

@@ -99,6 +99,8 @@ Outcome<> RangeReadings::open() {
               find_optional(options_.head), find_optional(options_.time_column)};
   if (missing) return *missing;
   recording_ = *opened;
+  to_metres_ = scale_of(options_.range_unit, "m");
+  to_radians_ = scale_of(options_.angle_unit, "rad");
   return {};
 }
 
@@ -127,8 +129,6 @@ Outcome<> RangeReadings::read_row(std::size_t row, const Evaluation& evaluation,
   const auto wrong = [&](std::string what) {
     return Fault{FaultKind::bad_data, fmt::format("{}: {}", recording_->place(row), what)};
   };
-  const double to_metres = scale_of(options_.range_unit, "m");
-  const double to_radians = scale_of(options_.angle_unit, "rad");
   const auto range_cell = recording_->number(row, columns_.range);
   if (!range_cell) {
     if (range_cell.fault().kind == FaultKind::no_detection) return Pending{};
@@ -142,14 +142,14 @@ Outcome<> RangeReadings::read_row(std::size_t row, const Evaluation& evaluation,
     fault = Fault{FaultKind::bad_data, value.fault().message};
     return otherwise;
   };
-  const double angle = number(columns_.angle, 0) * to_radians;
-  const double head = number(columns_.head, 0) * to_radians;
-  const double column_std = number(columns_.range_std, 0) * to_metres;
+  const double angle = number(columns_.angle, 0) * to_radians_;
+  const double head = number(columns_.head, 0) * to_radians_;
+  const double column_std = number(columns_.range_std, 0) * to_metres_;
   const double time = number(columns_.time, seconds(evaluation.time));
   if (fault) return *fault;
   const auto p = payload_of<Parameters>(evaluation.parameters);
   if (!(p.scale > 0)) return wrong(fmt::format("a scale of {}; expected one above 0", p.scale));
-  const double measured = *range_cell * to_metres;
+  const double measured = *range_cell * to_metres_;
   if (!(measured > 0)) return wrong(fmt::format("a range of {} m; expected one above 0", measured));
   if (measured < options_.min_range ||
       measured > options_.max_range.value_or(std::numeric_limits<double>::infinity()))

@@ -97,6 +97,8 @@ class RangeReadings final : public Module {
   Options options_;
   std::shared_ptr<const CsvFile> recording_;
   Columns columns_ = {};
+  double to_metres_ = 1;
+  double to_radians_ = 1;
   std::size_t next_ = 0;  ///< row
   SkippedLines skipped_;
 };

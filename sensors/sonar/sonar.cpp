@@ -6,7 +6,6 @@
 #include <limits>
 #include <random>
 
-#include "framework/estimate/units.h"
 #include "sensors/scene/beam.h"
 
 namespace ilss {
@@ -96,6 +95,7 @@ Outcome<> Sonar::open() {
   if (!column) return column.fault();
   recording_ = *opened;
   column_ = *column;
+  conversion_ = length_conversion(options_.input.csv->unit);
   return {};
 }
 
@@ -139,8 +139,7 @@ Outcome<double> Sonar::recorded_range(const RangeColumn& source, std::size_t rea
                  fmt::format("'{}' has {} rows", source.file.string(), recording_->rows())};
   const auto number = recording_->number(reading, column_);
   if (!number) return number.fault();
-  const UnitConversion conversion = length_conversion(source.unit);
-  return conversion.scale * *number + conversion.offset;
+  return conversion_.scale * *number + conversion_.offset;
 }
 
 Outcome<double> Sonar::scene_range(const Estimate& parameters) const {

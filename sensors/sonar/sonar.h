@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/estimate/units.h"
 #include "framework/module/module_type.h"
 #include "framework/record/csv_file.h"
 #include "sensors/scene/scene.h"
@@ -111,6 +112,7 @@ class Sonar final : public Module {
   Options options_;
   std::shared_ptr<const CsvFile> recording_;
   std::size_t column_ = 0;
+  UnitConversion conversion_;  ///< of the recording, to m
 };
 
 }  // namespace ilss
