@@ -286,7 +286,8 @@ void System::evaluate_node(std::size_t i, NodeObserver* observer) {
     state.outcome = Pending{};
   } else if (expects_) [[unlikely]] {
     call_module(i, [&] {
-      return carry(i, [&](const Evaluation& e) { return state.module->expect(e, nullptr, state.own_); });
+      return carry(
+          i, [&](const Evaluation& e) { return state.module->expect(e, nullptr, state.own_); });
     });
   } else {
     call_module(i, [&] {
