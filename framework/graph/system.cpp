@@ -6,8 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "framework/graph/carried_correlation.h"
-#include "framework/graph/contract.h"
+#include "framework/module/carried_correlation.h"
+#include "framework/module/contract.h"
 #include "framework/graph/guarded.h"
 
 namespace ilss {

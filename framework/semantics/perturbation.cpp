@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "framework/graph/carried_correlation.h"
+#include "framework/module/carried_correlation.h"
 #include "framework/graph/guarded.h"
 
 namespace ilss {

@@ -1,4 +1,4 @@
-#include "framework/graph/contract.h"
+#include "framework/module/contract.h"
 
 #include <fmt/format.h>
 
