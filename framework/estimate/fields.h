@@ -62,6 +62,16 @@ concept NumericPayload = requires {
 template <template <typename> class Payload>
 inline constexpr std::size_t dimension_of = Payload<double>::fields.size();
 
+/// The index of a component by its name: `index_of<LineSegment>("phi")`. A name that the payload
+/// does not have is an error where it stands.
+template <template <typename> class Payload>
+consteval std::size_t index_of(std::string_view component) {
+  const auto& fields = Payload<double>::fields;
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    if (fields[i].name == component) return i;
+  throw std::invalid_argument("the payload has no such component");
+}
+
 /// The components of a payload as contiguous scalars.
 template <template <typename> class Payload, typename T>
 std::span<T, dimension_of<Payload>> components(Payload<T>& payload) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
@@ -65,17 +66,11 @@ class FunctionModule final : public Module {
 
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override {
     bool any_error = false;
-    bool unknown = evaluation.correlation_unknown;
-    for (std::size_t i = 0; i < input_count; ++i) {
-      any_error |= !evaluation.input(i).lineage.empty();
-      unknown |= evaluation.input(i).correlation_unknown;
-    }
-    Outcome<> outcome = has_parameters && !evaluation.parameters.lineage.empty()
-                            ? evaluate_linearized<0>(evaluation, output)
-                        : any_error ? evaluate_linearized<parameter_columns>(evaluation, output)
-                                    : evaluate_value(evaluation, output);
-    if (outcome) output.estimate.correlation_unknown = unknown;
-    return outcome;
+    for (std::size_t i = 0; i < input_count; ++i) any_error |= !evaluation.input(i).lineage.empty();
+    return has_parameters && !evaluation.parameters.lineage.empty()
+               ? evaluate_linearized<0>(evaluation, output)
+           : any_error ? evaluate_linearized<parameter_columns>(evaluation, output)
+                       : evaluate_value(evaluation, output);
   }
 
   /// The Jacobian by automatic differentiation, whatever the formula offers (rows x all arguments,
@@ -210,8 +205,12 @@ class FunctionModule final : public Module {
   template <typename Payload>
   static void copy_labels([[maybe_unused]] const Payload& payload,
                           [[maybe_unused]] Output& output) {
-    if constexpr (requires { payload.label; })
+    if constexpr (requires { payload.label; }) {
+      for (std::size_t i = 0; i < payload.label.size(); ++i)
+        if (static_cast<std::size_t>(payload.label[i]) >= Payload::labels[i].values.size())
+          throw std::logic_error("the formula's label is none that its payload declares");
       output.estimate.labels.assign(payload.label.begin(), payload.label.end());
+    }
   }
 
   /// Of all sensitivities, in four sums that do not wait for each other.

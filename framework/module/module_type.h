@@ -77,7 +77,8 @@ struct ModuleType {
   /// Its output is a statement about its inputs that has no error of its own, such as a test's.
   bool states_no_error = false;
   bool selects = false;  ///< a Selector: its inputs are branches, evaluated on demand
-  /// Its outputs are checked where they are made: finite, with as many numbers as its payload has.
+  /// Its estimates are checked where they are made: finite, with the components and labels of its
+  /// payload.
   bool checked = false;
 
   /// The interface under given settings; with default settings for documentation.

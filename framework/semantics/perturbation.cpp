@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "framework/module/carried_correlation.h"
 #include "framework/graph/guarded.h"
 
 namespace ilss {
@@ -162,7 +163,10 @@ void Perturbation::redo(Step& step, std::span<const double> errors, std::uint64_
                               .parameters = step.parameters,
                               .inputs = step.inputs,
                               .correlation_unknown = node.correlation_unknown};
-  Outcome<> outcome = guarded([&] { return step.module->evaluate(evaluation, step.output); });
+  Outcome<> outcome = guarded([&] {
+    return carry_correlation(*node.type, evaluation, step.output,
+                             [&] { return step.module->evaluate(evaluation, step.output); });
+  });
   step.failed = !outcome.has_output();
   if (outcome.is_fault()) step.fault = outcome.fault();
   if (step.failed) return;

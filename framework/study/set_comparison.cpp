@@ -23,7 +23,7 @@ struct MatchedElement {
 };
 
 /// Elements of one tick's set; nothing where the system has no output.
-using TickElements = std::optional<std::vector<Estimate>>;
+using TickElements = std::optional<Elements>;
 
 /// Measures the modules of a tick but for simulated sensors, whose time is no device's.
 class WorkTimer final : public NodeObserver {

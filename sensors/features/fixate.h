@@ -75,7 +75,7 @@ class Fixate final : public Module {
     Estimate place;
   };
   bool is_wanted(const Estimate& feature) const;
-  const Estimate* choose(const std::vector<Estimate>& features, double time) const;
+  const Estimate* choose(std::span<const Estimate> features, double time) const;
   double expected_bearing() const;
 
   Options options_;

@@ -199,7 +199,6 @@ class Expression final : public Module {
     }
     for (std::size_t i = 0; i < rows; ++i)
       if (estimate.type->components[i].circular) estimate.value[i] = wrap_angle(estimate.value[i]);
-    estimate.correlation_unknown = ArgumentReader::correlation_unknown(evaluation);
     return check_finite(estimate);
   }
 

@@ -188,12 +188,6 @@ bool ArgumentReader::any_error(const Evaluation& evaluation) {
                      [](const Output* input) { return !input->estimate.lineage.empty(); });
 }
 
-bool ArgumentReader::correlation_unknown(const Evaluation& evaluation) {
-  return evaluation.correlation_unknown ||
-         std::any_of(evaluation.inputs.begin(), evaluation.inputs.end(),
-                     [](const Output* input) { return input->estimate.correlation_unknown; });
-}
-
 bool ArgumentReader::has_error(const Evaluation& evaluation, std::size_t argument) const {
   std::size_t i = 0;
   while (argument >= first_[i + 1]) ++i;

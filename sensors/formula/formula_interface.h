@@ -76,7 +76,6 @@ class ArgumentReader {
   std::span<const double> values(const Evaluation& evaluation);
   /// Whether any of them has an error.
   static bool any_error(const Evaluation& evaluation);
-  static bool correlation_unknown(const Evaluation& evaluation);
   /// Whether one of them has an error.
   bool has_error(const Evaluation& evaluation, std::size_t argument) const;
   /// The lineage of results of the given Jacobian (rows x arguments, column-major).

@@ -198,7 +198,6 @@ class Linear final : public Module {
       if (estimate.type->components[i].circular) estimate.value[i] = wrap_angle(estimate.value[i]);
     reader_.propagate(evaluation, {map_.data(), static_cast<std::size_t>(map_.size())}, rows,
                       estimate.lineage);
-    estimate.correlation_unknown = ArgumentReader::correlation_unknown(evaluation);
     return check_finite(estimate);
   }
 

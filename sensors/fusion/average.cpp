@@ -136,7 +136,6 @@ Outcome<> Average::evaluate(const Evaluation& evaluation, Output& output) {
   output.estimate.value = mean_.value;
   output.estimate.lineage = mean_.lineage;
   output.estimate.labels = evaluation.input(0).labels;
-  output.estimate.correlation_unknown = ticks_are_correlated;
   return {};
 }
 
@@ -147,7 +146,6 @@ Outcome<> Average::expect(const Evaluation& evaluation, const Output* operating_
   output.estimate.value = reading.value;
   output.estimate.lineage = reading.lineage;
   output.estimate.labels = reading.labels;
-  output.estimate.correlation_unknown = inputs_of_unknown_correlation(evaluation);
   return {};
 }
 

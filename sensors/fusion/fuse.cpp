@@ -63,7 +63,6 @@ Outcome<> Fuse::evaluate(const Evaluation& evaluation, Output& output) {
   for (std::size_t i = 0; i < inputs.size(); ++i)
     terms.push_back({jacobians[i].data(), &inputs[i]->estimate.lineage});
   compose(terms, inputs.front()->estimate.dimension(), output.estimate.lineage);
-  output.estimate.correlation_unknown = false;
   return {};
 }
 

@@ -10,8 +10,12 @@ namespace ilss {
 
 /// One beam. A range of 0 is no return: nothing came back, or nothing that the device believes.
 struct LaserBeam {
-  double bearing = 0;  ///< counter-clockwise from the forward axis (rad)
-  double range = 0;    ///< m
+  double bearing = 0;
+  double range = 0;
+
+  static constexpr auto columns = Columns{
+      column(&LaserBeam::bearing, "bearing", "rad", "counter-clockwise from the forward axis"),
+      column(&LaserBeam::range, "range", "m", "0: no return")};
 };
 
 /// A scan in the laser's own frame (REP 103: x forward, y to the left), one row of the samples a
@@ -24,9 +28,7 @@ struct LaserScan {
   T bias_0{}, bias_1{}, bias_2{}, bias_3{}, bias_4{}, bias_5{}, bias_6{}, bias_range{1.0};
 
   static constexpr std::string_view name = "laser_scan";
-  static constexpr std::string_view documentation =
-      "ranges of a laser range finder; each row of the samples is a beam's bearing (rad, counter-"
-      "clockwise) and range (m; 0: no return)";
+  static constexpr std::string_view documentation = "ranges of a laser range finder";
   static constexpr auto fields =
       Fields{{"range_std", "m", "sd of a range's noise; exact"},
              {"bearing_std", "rad", "sd of a beam's bearing; exact", 0},
@@ -40,14 +42,14 @@ struct LaserScan {
              {"bias_5", "m", "", 0},
              {"bias_6", "m", "", 0},
              {"bias_range", "m", "at which each bias is what it says; exact", 1}};
-  static SamplesDescriptor samples() { return {"SI", {"beam", "quantity"}}; }
+  static SamplesDescriptor samples() { return samples_of_rows<LaserBeam>("beam"); }
 };
 
 /// How many coefficients the systematic error of a range has.
 inline constexpr std::size_t range_biases = 7;
 /// The first of them among a laser_scan's components, and the range that they refer to.
-inline constexpr std::size_t first_bias = 4;
-inline constexpr std::size_t bias_range = first_bias + range_biases;
+inline constexpr std::size_t first_bias = index_of<LaserScan>("bias_0");
+inline constexpr std::size_t bias_range = index_of<LaserScan>("bias_range");
 
 /// The beams of a scan's output.
 inline std::span<const LaserBeam> beams_of(const Output& scan) { return rows_of<LaserBeam>(scan); }

@@ -159,7 +159,6 @@ Estimate& FeatureWriter::next(const PayloadDescriptor& type) {
   element.type = &type;
   element.frame = scan_.frame;
   element.labels.clear();
-  element.correlation_unknown = scan_.correlation_unknown;
   return element;
 }
 
@@ -212,8 +211,10 @@ void FeatureWriter::add(const FittedSegment& segment, std::span<const RangeReadi
                    {source(index, 0), source(index, 1)}, element);
   // A short line turns about its middle, and its distance from the origin then changes by
   // -rho (change of phi)² / 2. First order does not see that; here is its root mean square.
-  const double second_order = std::sqrt(0.75) * element.value[0] * element.lineage.variance(1);
-  element.lineage.add(source(index, column_of_second_order), 0, second_order);
+  constexpr std::size_t rho = index_of<LineSegment>("rho");
+  constexpr std::size_t phi = index_of<LineSegment>("phi");
+  const double second_order = std::sqrt(0.75) * element.value[rho] * element.lineage.variance(phi);
+  element.lineage.add(source(index, column_of_second_order), rho, second_order);
   element.labels.assign(1, is_open ? 1 : 0);
 }
 

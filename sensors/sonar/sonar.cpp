@@ -163,7 +163,6 @@ Outcome<> Sonar::emit(const Evaluation& evaluation, double range, Output& output
   Estimate& estimate = output.estimate;
   const std::vector<double>& p = evaluation.parameters.value;
   estimate.value.assign({range, p[0], p[1], p[2], p[3]});
-  estimate.correlation_unknown = false;
   const LineageTerm term{reading_by_parameters.data(), &evaluation.parameters.lineage};
   compose({&term, 1}, reading_size, estimate.lineage);
   if (const double sd = standard_deviation(range); sd > 0)

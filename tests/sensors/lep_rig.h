@@ -61,7 +61,7 @@ struct LepRig {
     LepRanging ranging;
     const Output* input = &scan;
     const Evaluation evaluation{.tick = 0, .parameters = ranging_parameters, .inputs = {&input, 1}};
-    if (!ranging.evaluate(evaluation, output)) output.samples.values.clear();
+    if (!ranging.evaluate(evaluation, output)) output.samples = {};
     return output;
   }
 
@@ -82,7 +82,7 @@ struct LepRig {
     LepSensor sensor(options);
     if (head_rate != 0) (void)sensor.command({"rotate_at", head_rate});
     Output output;
-    if (!take(sensor, 0, seed, output)) output.samples.values.clear();
+    if (!take(sensor, 0, seed, output)) output.samples = {};
     return output;
   }
 

@@ -68,8 +68,8 @@ PlaceOnLine meet(const LaserLineFit& line, double beam_cosine, double beam_sine)
 }  // namespace
 
 LaserFeatureWriter::LaserFeatureWriter(const Evaluation& evaluation, const LaserNoise& noise,
-                                       Output& output, std::vector<Estimate>& spare)
-    : evaluation_(evaluation), noise_(noise), output_(output), spare_(spare) {
+                                       Output& output)
+    : evaluation_(evaluation), noise_(noise), output_(output) {
   const std::vector<double>& mount = evaluation.parameters.value;
   mount_ = {mount[0], mount[1], mount[2]};
   cosine_ = std::cos(mount_.heading);
@@ -83,15 +83,10 @@ Source LaserFeatureWriter::source(std::size_t segment, std::uint32_t column) con
 }
 
 Estimate& LaserFeatureWriter::next(const PayloadDescriptor& type) {
-  if (count_ == output_.elements.size()) {
-    if (spare_.empty()) spare_.emplace_back();
-    output_.elements.push_back(std::move(spare_.back()));
-    spare_.pop_back();
-  }
+  if (count_ == output_.elements.size()) output_.elements.emplace_back();
   Estimate& element = output_.elements[count_++];
   element.type = &type;
   element.frame = output_.estimate.frame;
-  element.correlation_unknown = evaluation_.input(0).correlation_unknown;
   element.labels.assign(type.labels.size(), 0);
   element.lineage.reset(type.components.size());
   return element;
@@ -323,10 +318,7 @@ void LaserFeatureWriter::add_edge(std::size_t index, const LaserLineFit& line,
 }
 
 void LaserFeatureWriter::finish() {
-  while (output_.elements.size() > count_) {
-    spare_.push_back(std::move(output_.elements.back()));
-    output_.elements.pop_back();
-  }
+  output_.elements.resize(count_);
   assign<RangeFeatures>(output_.estimate, {static_cast<double>(segments_)});
 }
 

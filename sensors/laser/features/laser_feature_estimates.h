@@ -24,9 +24,7 @@ struct LaserMount {
 /// edges share.
 class LaserFeatureWriter {
  public:
-  /// `spare` holds elements that earlier ticks had and this one may use again.
-  LaserFeatureWriter(const Evaluation& evaluation, const LaserNoise& noise, Output& output,
-                     std::vector<Estimate>& spare);
+  LaserFeatureWriter(const Evaluation& evaluation, const LaserNoise& noise, Output& output);
 
   /// Adds a segment as a line_segment or arc_segment; `index` is its place among the segments.
   void add(std::size_t index, const LaserSegment& segment, std::span<const ScanPoint> scan);
@@ -73,7 +71,6 @@ class LaserFeatureWriter {
   double sine_;
   bool has_systematic_errors_;
   Output& output_;
-  std::vector<Estimate>& spare_;
   std::size_t count_ = 0;
   std::size_t segments_ = 0;
 };

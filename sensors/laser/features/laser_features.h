@@ -77,7 +77,6 @@ class LaserFeatures final : public Module {
   Options options_;
   SegmentedPoints scan_;
   std::vector<LaserSegment> segments_;
-  std::vector<Estimate> spare_;  ///< buffers of elements that this tick does not need
 };
 
 }  // namespace ilss

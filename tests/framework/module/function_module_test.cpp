@@ -201,16 +201,6 @@ TEST(FunctionModule, TakesMissingLabelsForTheFirst) {
   EXPECT_EQ(bench.output.estimate.labels, std::vector<int>{0});
 }
 
-TEST(FunctionModule, PassesUnknownCorrelationThrough) {
-  Bench bench;
-  bench.single.estimate.correlation_unknown = true;
-  ASSERT_TRUE(bench.evaluate());
-  EXPECT_TRUE(bench.output.estimate.correlation_unknown);
-  bench.single.estimate.correlation_unknown = false;
-  ASSERT_TRUE(bench.evaluate());
-  EXPECT_FALSE(bench.output.estimate.correlation_unknown);
-}
-
 TEST(FunctionModule, PassesTheFormulasFaultsOn) {
   for (const bool with_errors : {false, true}) {
     Bench bench;
@@ -231,12 +221,10 @@ TEST(FunctionModule, LeavesTheOutputAloneWhenPending) {
     const Estimate before = bench.output.estimate;
     if (with_errors) bench.add_errors();
     bench.pair.estimate.value[1] = -2;
-    bench.pair.estimate.correlation_unknown = true;
     EXPECT_TRUE(bench.evaluate().is_pending());
     EXPECT_TRUE(bench.evaluate<MixtureWithJacobian>().is_pending());
     EXPECT_TRUE(FunctionModule(Mixture{}).differentiate(bench.evaluation()).is_pending());
     EXPECT_EQ(bench.output.estimate.value, before.value);
-    EXPECT_EQ(bench.output.estimate.correlation_unknown, before.correlation_unknown);
     EXPECT_EQ(bench.output.estimate.lineage.size(), before.lineage.size());
   }
 }

@@ -85,8 +85,6 @@ inline bool all_finite(const Output& output) {
   };
   for (const Estimate& element : output.elements)
     if (!finite(element)) return false;
-  for (const double v : output.samples.values)
-    if (!std::isfinite(v)) return false;
   return finite(output.estimate);
 }
 

@@ -213,8 +213,9 @@ TEST(CovarianceIntersection, IsWhatFuseDoesWhenThePlanSaysSo) {
                            known.parameters, known.inputs, true};
   ASSERT_TRUE(fuse.evaluate(unknown, output));
   EXPECT_TRUE(output.estimate.correlation_unknown);
-  ASSERT_TRUE(fuse.evaluate(known, output));
-  EXPECT_FALSE(output.estimate.correlation_unknown);
+  Output fused;
+  ASSERT_TRUE(fuse.evaluate(known, fused));
+  EXPECT_FALSE(fused.estimate.correlation_unknown);
 }
 
 }  // namespace

@@ -129,13 +129,13 @@ TEST(LepSensor, RefusesWhatItsDriveCannotDo) {
 
 TEST(LepSensor, IsBackAtItsStartAfterAReset) {
   RunningSensor run{LepRig(all_around())};
-  const std::vector<double> before = (run.next(), run.output.samples.values);
+  const std::vector<std::byte> before = (run.next(), run.output.samples.bytes);
   ASSERT_TRUE(run.command("rotate_to", 36 * degree, 0.1));
   run.next();
   run.sensor.reset();
   run.tick = 0;
   run.next();
-  EXPECT_EQ(run.output.samples.values, before);
+  EXPECT_EQ(run.output.samples.bytes, before);
 }
 
 TEST(LepSensor, LeavesOutSaturatedReadings) {
@@ -263,8 +263,8 @@ TEST(LepSensor, BandwidthHardlyShiftsSteadyImages) {
 
 TEST(LepSensor, GivesTheSameScanForTheSameSeed) {
   LepRig rig(edge_scene(1, 120 * degree));
-  EXPECT_EQ(rig.images(3).samples.values, rig.images(3).samples.values);
-  EXPECT_NE(rig.images(3).samples.values, rig.images(4).samples.values);
+  EXPECT_EQ(rig.images(3).samples.bytes, rig.images(3).samples.bytes);
+  EXPECT_NE(rig.images(3).samples.bytes, rig.images(4).samples.bytes);
 }
 
 TEST(LepSensor, SingleReadingsAreThoseOfAScan) {

@@ -104,7 +104,7 @@ TEST(LaserScene, GivesTheSameScansAgainAfterAReset) {
   output_of_module(laser, tick_at({}, 1, 12));
   laser.reset();
   const Output after = output_of_module(laser, tick_at({}, 0, 11));
-  EXPECT_EQ(before.samples.values, after.samples.values);
+  EXPECT_EQ(before.samples.bytes, after.samples.bytes);
 }
 
 TEST(LaserSceneFeatures, AreTheSceneSeenFromTheRobot) {
