@@ -333,7 +333,7 @@ Instance PlanBuilder::read_module(const Node& key, Node module, const std::strin
     module.keys.erase(found);
   }
   module.position = key.position;
-  check_keys(module, type->declarations, type->name, diagnostics_);
+  check_keys(module, type->declarations, type->name, diagnostics_, type->moved_parameters);
   if (type->takes_quantities)
     node.settings.quantities =
         declare_quantities(module, constants, override_constants, node.readable);

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "sensors/laser/laser_mount.h"
+
 namespace ilss {
 namespace {
 
@@ -62,6 +64,7 @@ void LaserLog::emit(const Evaluation& evaluation, const LaserRecord& record, Out
                                       .bearing_std = options_.bearing_std,
                                       .quantum = options_.quantum,
                                       .max_range = options_.no_return});
+  set_mount(evaluation.parameters, 0, output.estimate);
   output.acquired = evaluation.time;
 }
 
