@@ -38,7 +38,7 @@ void LaserLog::reset() {
   next_ = 0;
   beams_ = 0;
   time_ = -std::numeric_limits<double>::infinity();
-  passed_ = 0;
+  scans_passed_ = 0;
   skipped_ = {};
 }
 
@@ -70,7 +70,7 @@ void LaserLog::emit(const Evaluation& evaluation, const LaserRecord& record, Out
 
 /// Whether a CSV's scan is like the one before it: nothing else tells a cut line, or one without
 /// its time.
-Outcome<> LaserLog::goes_on(const LaserRecord& record) const {
+Outcome<> LaserLog::check_continuity(const LaserRecord& record) const {
   if (options_.format != LaserLogFormat::csv || beams_ == 0) return {};
   if (record.ranges.size() != beams_)
     return Fault{FaultKind::bad_data, fmt::format("{} ranges; expected {}, as in the scan before",
@@ -89,19 +89,19 @@ Outcome<> LaserLog::evaluate(const Evaluation& evaluation, Output& output) {
     if (!opened) return opened.fault();
     log_ = *opened;
   }
-  const bool had_scan = next_ != 0;
+  const bool has_been_read = next_ != 0;
   while (next_ < log_->lines()) {
     const std::size_t line = next_++;
     auto record = parse(log_->line(line));
     if (record && !*record) continue;
-    if (passed_ < options_.first) {
-      ++passed_;
+    if (scans_passed_ < options_.first) {
+      ++scans_passed_;
       continue;
     }
-    const Outcome<> good = record ? goes_on(**record) : Outcome<>(record.fault());
-    if (!good) {
-      Fault fault{good.fault().kind,
-                  fmt::format("{}:{}: {}", options_.file.string(), line + 1, good.fault().message)};
+    const Outcome<> continuity = record ? check_continuity(**record) : Outcome<>(record.fault());
+    if (!continuity) {
+      Fault fault{continuity.fault().kind, fmt::format("{}:{}: {}", options_.file.string(),
+                                                       line + 1, continuity.fault().message)};
       if (!options_.skip_bad) return fault;
       skipped_.add(fault);
       continue;
@@ -111,7 +111,7 @@ Outcome<> LaserLog::evaluate(const Evaluation& evaluation, Output& output) {
     emit(evaluation, **record, output);
     return {};
   }
-  if (!had_scan)
+  if (!has_been_read)
     return lost(fmt::format("'{}' has no {} scan{}", options_.file.string(),
                             choices(options_.format)[static_cast<std::size_t>(options_.format)],
                             options_.first > 0 ? " from the first wanted on" : ""));

@@ -75,14 +75,14 @@ class LaserLog final : public Module {
 
  private:
   Outcome<std::optional<LaserRecord>> parse(std::string_view line) const;
-  Outcome<> goes_on(const LaserRecord& record) const;
+  Outcome<> check_continuity(const LaserRecord& record) const;
   void emit(const Evaluation& evaluation, const LaserRecord& record, Output& output);
 
   Options options_;
   std::shared_ptr<const TextLog> log_;
-  std::size_t next_ = 0;     ///< line
-  std::int64_t passed_ = 0;  ///< scans before the first wanted one
-  std::size_t beams_ = 0;    ///< of the last scan
+  std::size_t next_ = 0;           ///< line
+  std::int64_t scans_passed_ = 0;  ///< scans before the first wanted one
+  std::size_t beams_ = 0;          ///< of the last scan
   double time_ =
       -std::numeric_limits<double>::infinity();  ///< of the last scan, by the log's clock
   SkippedLines skipped_;
