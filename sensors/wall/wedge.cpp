@@ -67,18 +67,6 @@ int contact_label(Contact left, Contact right) {
   return 5 + 3 * static_cast<int>(left) + static_cast<int>(right);
 }
 
-std::optional<SonarContact> sonar_contact(const SonarReading<double>& sonar, const WallLine& wall) {
-  const double distance =
-      wall.range - std::cos(wall.bearing) * sonar.mount_x - std::sin(wall.bearing) * sonar.mount_z;
-  if (!(distance > 0)) return std::nullopt;
-  const double delta = wrap_angle(wall.bearing - sonar.mount_heading);
-  if (std::abs(delta) <= sonar.beam_half_angle) return SonarContact{distance, Contact::tangent};
-  const double beyond_edge = std::abs(delta) - sonar.beam_half_angle;
-  if (beyond_edge >= right_angle) return std::nullopt;
-  return SonarContact{distance / std::cos(beyond_edge),
-                      delta < 0 ? Contact::left_edge : Contact::right_edge};
-}
-
 void WedgeSolutions::add(const WedgeSolution& solution, bool inside) {
   for (std::size_t i = 0; i < size_; ++i) {
     const WallLine& other = solutions_[i].wall;
