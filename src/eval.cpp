@@ -73,8 +73,8 @@ Interface interface_under(const ModuleType& type, const std::vector<Override>& p
     entries.emplace_back(parameter.path, parameter.value);
   const Node module = map(entries);
   Settings settings;
-  Diagnostics said_later;
-  if (type.read_options) settings.options = type.read_options(&module, ".", said_later, {});
+  Diagnostics unreported;
+  if (type.read_options) settings.options = type.read_options(&module, ".", unreported, {});
   return type.interface(settings);
 }
 

@@ -35,7 +35,7 @@ int do_verb(int argc, char** argv) {
 }
 
 /// Says that standard output could not be written; a reader who has left knows.
-int lose_output(int error) {
+int report_lost_output(int error) {
   if (error != EPIPE)
     std::fputs(fmt::format("ilss: cannot write the output: {}\n", std::strerror(error)).c_str(),
                stderr);
@@ -50,11 +50,11 @@ int main(int argc, char** argv) {
     const int status = ilss::do_verb(argc, argv);
     errno = 0;
     if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
-    return ilss::lose_output(errno != 0 ? errno : EIO);
+    return ilss::report_lost_output(errno != 0 ? errno : EIO);
   } catch (const std::exception& error) {
     const auto* system_error = dynamic_cast<const std::system_error*>(&error);
     if (system_error != nullptr && std::ferror(stdout) != 0)
-      return ilss::lose_output(system_error->code().value());
+      return ilss::report_lost_output(system_error->code().value());
     std::fputs(fmt::format("ilss: internal error: {}\n", error.what()).c_str(), stderr);
     return ilss::exit_failed;
   }

@@ -333,7 +333,7 @@ Instance PlanBuilder::read_module(const Node& key, Node module, const std::strin
     module.keys.erase(found);
   }
   module.position = key.position;
-  check_keys(module, type->declarations, type->name, diagnostics_);
+  check_keys(module, type->declarations, type->name, diagnostics_, type->moved_parameters);
   if (type->takes_quantities)
     node.settings.quantities =
         declare_quantities(module, constants, override_constants, node.readable);
@@ -418,7 +418,7 @@ const PayloadDescriptor* PlanBuilder::declare_quantities(
   if (map != nullptr && !map->is_map() && !map->is_null())
     diagnostics_.add(map->position, "expected a map of names to values, got " + map->description());
   // What is wrong with a value is said where it is read as a parameter.
-  Diagnostics said_later;
+  Diagnostics unreported;
   for (std::size_t i = 0; map != nullptr && i < map->keys.size(); ++i) {
     const Node& value = map->values[i];
     const std::string name = "quantities." + map->keys[i].text;
@@ -427,7 +427,7 @@ const PayloadDescriptor* PlanBuilder::declare_quantities(
     if (value.is_scalar() && value.text.starts_with('$')) {
       if (const ConstantElement* constant = names->find(value.text.substr(1)))
         unit = constant->quantity.unit;
-    } else if (const auto quantity = read_quantity(value, said_later)) {
+    } else if (const auto quantity = read_quantity(value, unreported)) {
       unit = quantity->unit;
     }
     if (unit) unit = si_unit(*unit);

@@ -142,8 +142,8 @@ Outcome<Estimate> true_value(const StudySource& truth, std::uint64_t seed) {
   return state.output().estimate;
 }
 
-CaseAlternative carry_out(const Study& study, const StudySource& source, const Estimate* truth,
-                          std::uint64_t seed) {
+CaseAlternative measure_alternative(const Study& study, const StudySource& source,
+                                    const Estimate* truth, std::uint64_t seed) {
   CaseAlternative result;
   CaseMeasurement& measurement = result.measurement;
   ErrorCollector errors(study, truth, measurement);
@@ -208,9 +208,9 @@ Comparison compare(const Study& study) {
       compared.truth_fault =
           truth.is_fault() ? truth.fault() : Fault{FaultKind::no_detection, "nothing is due yet"};
     for (std::size_t a = 0; a < one.alternatives.size(); ++a)
-      compared.alternatives.push_back(carry_out(study, one.alternatives[a],
-                                                truth.has_output() ? &*truth : nullptr,
-                                                seed_of(study.alternatives[a])));
+      compared.alternatives.push_back(measure_alternative(study, one.alternatives[a],
+                                                          truth.has_output() ? &*truth : nullptr,
+                                                          seed_of(study.alternatives[a])));
   }
   summarise(study, comparison);
   return comparison;

@@ -17,7 +17,7 @@ struct MatchedElement {
   NormalizedError normalized;
   double distance;  ///< of places (m)
 
-  bool same_truth_as(const MatchedElement& other) const {
+  bool has_same_truth_as(const MatchedElement& other) const {
     return tick == other.tick && truth == other.truth;
   }
 };
@@ -72,10 +72,10 @@ std::vector<TickElements> run_reference(const Plan& plan, const Study& study,
 
 std::vector<const Estimate*> elements_of(const ElementRule& rule,
                                          std::span<const Estimate> elements) {
-  std::vector<const Estimate*> concerned;
+  std::vector<const Estimate*> relevant;
   for (const Estimate& element : elements)
-    if (rule.concerns(element)) concerned.push_back(&element);
-  return concerned;
+    if (rule.applies_to(element)) relevant.push_back(&element);
+  return relevant;
 }
 
 MatchedElement judge_match(const ElementRule& rule, const Estimate& truth, const Estimate& found) {
@@ -172,7 +172,7 @@ std::vector<double> relative_deviations(const std::vector<MatchedElement>& match
     while (other != reference.end() &&
            std::pair(other->tick, other->truth) < std::pair(match.tick, match.truth))
       ++other;
-    if (other != reference.end() && other->same_truth_as(match))
+    if (other != reference.end() && other->has_same_truth_as(match))
       common.emplace_back(&match, &*other);
   }
   if (common.size() < 2) return {};

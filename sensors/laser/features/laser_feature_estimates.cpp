@@ -21,6 +21,7 @@ constexpr std::uint32_t column_of_last_edge = 7;
 constexpr Eigen::Index scan_size = dimension_of<SegmentedScan>;
 constexpr auto bias_column = static_cast<Eigen::Index>(first_bias);
 constexpr auto bias_count = static_cast<Eigen::Index>(range_biases);
+constexpr auto mount_column = static_cast<Eigen::Index>(first_mount);
 
 using Vector2 = Eigen::Vector2d;
 
@@ -69,14 +70,13 @@ PlaceOnLine meet(const LaserLineFit& line, double beam_cosine, double beam_sine)
 
 LaserFeatureWriter::LaserFeatureWriter(const Evaluation& evaluation, const LaserNoise& noise,
                                        Output& output)
-    : evaluation_(evaluation), noise_(noise), output_(output) {
-  const std::vector<double>& mount = evaluation.parameters.value;
-  mount_ = {mount[0], mount[1], mount[2]};
-  cosine_ = std::cos(mount_.heading);
-  sine_ = std::sin(mount_.heading);
-  has_systematic_errors_ =
-      !evaluation.parameters.lineage.empty() || !evaluation.input(0).lineage.empty();
-}
+    : evaluation_(evaluation),
+      noise_(noise),
+      mount_(mount_of(evaluation.input(0))),
+      cosine_(std::cos(mount_.heading)),
+      sine_(std::sin(mount_.heading)),
+      has_systematic_errors_(!evaluation.input(0).lineage.empty()),
+      output_(output) {}
 
 Source LaserFeatureWriter::source(std::size_t segment, std::uint32_t column) const {
   return evaluation_.fresh(columns_of_segment * static_cast<std::uint32_t>(segment) + column);
@@ -142,10 +142,9 @@ Estimate& LaserFeatureWriter::write(const PayloadDescriptor& type,
   if (!has_systematic_errors_) return element;
   Eigen::Matrix<double, Rows, scan_size> by_scan = Eigen::Matrix<double, Rows, scan_size>::Zero();
   by_scan.template middleCols<bias_count>(bias_column) = feature.by_bias;
-  const std::array<LineageTerm, 2> terms{
-      {{by_scan.data(), &evaluation_.input(0).lineage},
-       {feature.by_mount.data(), &evaluation_.parameters.lineage}}};
-  compose(terms, static_cast<std::size_t>(Rows), element.lineage);
+  by_scan.template middleCols<3>(mount_column) = feature.by_mount;
+  const LineageTerm term{by_scan.data(), &evaluation_.input(0).lineage};
+  compose({&term, 1}, static_cast<std::size_t>(Rows), element.lineage);
   return element;
 }
 

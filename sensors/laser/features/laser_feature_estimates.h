@@ -7,19 +7,12 @@
 #include "framework/module/module.h"
 #include "sensors/features/range_features.h"
 #include "sensors/laser/features/laser_segment.h"
+#include "sensors/laser/laser_mount.h"
 
 namespace ilss {
 
-/// Where a laser stands in the robot's plane, x forward and z to the right; heading from x towards
-/// z (m, rad).
-struct LaserMount {
-  double x = 0;
-  double z = 0;
-  double heading = 0;
-};
-
-/// Writes the features of one tick into an output. The evaluation's input 0 is the scan, whose
-/// components from `first_bias` on are the ranges' systematic errors; its parameters are the mount.
+/// Writes the features of one tick into an output. The evaluation's input 0 is the scan, which
+/// brings the ranges' systematic errors and the mount.
 /// Each segment's noise is fresh sources of the module by the segment's place, which corners and
 /// edges share.
 class LaserFeatureWriter {

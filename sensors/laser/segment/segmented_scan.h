@@ -25,6 +25,7 @@ template <typename T>
 struct SegmentedScan {
   T range_std, bearing_std, quantum, max_range;
   T bias_0{}, bias_1{}, bias_2{}, bias_3{}, bias_4{}, bias_5{}, bias_6{}, bias_range{1.0};
+  T mount_x{}, mount_z{}, mount_heading{};
 
   static constexpr std::string_view name = "segmented_scan";
   static constexpr std::string_view documentation = "a laser_scan taken apart";

@@ -5,7 +5,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "sensors/laser/laser_mount.h"
+
 namespace ilss {
+namespace {
+
+/// Where the mount begins among the parameters.
+constexpr std::size_t mount_parameter = 5;
+
+}  // namespace
 
 void LaserWorldOptions::declare(OptionVisitor& visit) {
   visit("scene", scene, "the scene's file; without one, rooms are generated");
@@ -81,12 +89,13 @@ void LaserWorld::scan(const Evaluation& evaluation, const LaserStand& stand, boo
                 surfaces);
 }
 
-LaserScan<double> LaserWorld::description(const Evaluation& evaluation) const {
+void LaserWorld::describe(const Evaluation& evaluation, Estimate& scan) const {
   const auto p = payload_of<LaserWorldParameters>(evaluation.parameters);
-  return {.range_std = p.range_std,
-          .bearing_std = p.bearing_std,
-          .quantum = options_.quantum,
-          .max_range = options_.max_range};
+  assign<LaserScan>(scan, {.range_std = p.range_std,
+                           .bearing_std = p.bearing_std,
+                           .quantum = options_.quantum,
+                           .max_range = options_.max_range});
+  set_mount(evaluation.parameters, mount_parameter, scan);
 }
 
 }  // namespace ilss

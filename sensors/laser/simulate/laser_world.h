@@ -57,8 +57,9 @@ class LaserWorld {
   /// simulate_scan's.
   void scan(const Evaluation& evaluation, const LaserStand& stand, bool noisy,
             std::span<LaserBeam> scan, std::span<std::size_t> surfaces = {}) const;
-  /// What a scan says of its own errors.
-  LaserScan<double> description(const Evaluation& evaluation) const;
+  /// Sets the components of a laser_scan or segmented_scan: what a scan says of its own errors, and
+  /// the mount with its sources.
+  void describe(const Evaluation& evaluation, Estimate& scan) const;
   const Scene& scene() const { return *scene_; }
   const RayCaster& caster() const { return *caster_; }
   const LaserSweep& sweep() const { return sweep_; }

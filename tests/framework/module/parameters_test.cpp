@@ -138,6 +138,16 @@ TEST(Options, ThatAreUnknownAreReportedWithASuggestion) {
                       "f.yaml:4:1: camera has no parameter 'zzz'"}));
 }
 
+TEST(Options, ThatWereMovedAreReportedWithWhereTheyStand) {
+  Diagnostics diagnostics;
+  const Node root = parse_document("mount: {x: 1 m}\nrows: 8\n", "f.yaml", diagnostics);
+  check_keys(root, declare_options<Everything>(), "camera", diagnostics,
+             {{"mount", "give it to the tripod"}});
+  ASSERT_EQ(diagnostics.size(), 1U);
+  EXPECT_EQ(format_diagnostic(diagnostics.sorted()[0]),
+            "f.yaml:1:1: camera has no parameter 'mount': give it to the tripod");
+}
+
 TEST(Options, ThatMustFitTogetherAreReportedAtTheirMap) {
   EXPECT_EQ(messages("title: x\nrows: 129\n"), (Messages{"f.yaml:1:1: rows must be even"}));
 }

@@ -70,6 +70,26 @@ TEST(LaserScene, SaysWhatItsErrorsAre) {
   EXPECT_EQ(beams_of(scan).size(), 360u);
 }
 
+TEST(LaserScene, ScansCarryTheMountThatTheySeeTheSceneFrom) {
+  Tick tick = tick_at({});
+  tick.parameters.value = {0, 0, 0, 0, 0, 1, -0.5, 10 * degree};
+  tick.parameters.lineage.add({7, 0, persistent_tick}, 0, 0.001);  // of range_std: none of a scan's
+  tick.parameters.lineage.add({8, 0, persistent_tick}, 7, 0.02);
+  LaserScene laser({.world = scene_options(corner_and_box())});
+  LaserSceneSegments segments({.world = scene_options(corner_and_box())});
+  for (const Output& scan : {output_of_module(laser, tick), output_of_module(segments, tick)}) {
+    SCOPED_TRACE(scan.estimate.type->name);
+    EXPECT_EQ(scan.estimate.value[first_mount], 1);
+    EXPECT_EQ(scan.estimate.value[first_mount + 1], -0.5);
+    EXPECT_EQ(scan.estimate.value[first_mount + 2], 10 * degree);
+    ASSERT_EQ(scan.estimate.lineage.size(), 1U);
+    EXPECT_EQ(scan.estimate.lineage.standard_deviation(first_mount + 2), 0.02);
+  }
+  const Output scan = output_of_module(laser, tick);
+  const LaserBeam& beam = beams_of(scan)[190];
+  EXPECT_NEAR(beam.range, 3 / std::cos(10 * degree - beam.bearing), 1e-12) << "1 m nearer, turned";
+}
+
 TEST(LaserScene, ExpectsTheScanWithoutNoise) {
   LaserScene laser({.world = scene_options(corner_and_box())});
   Output output;
