@@ -54,7 +54,8 @@ std::vector<MonteCarloOutput> run_monte_carlo(const System& system,
                                               const std::vector<std::size_t>& cut,
                                               const MonteCarloOptions& options);
 
-/// The same from a perturbation that is there already, in this thread.
+/// The same from a perturbation that is there already, whose targets are the plan's outputs, in
+/// this thread.
 std::vector<MonteCarloOutput> run_monte_carlo(const System& system, Perturbation& perturbation,
                                               std::size_t trials, std::uint64_t seed);
 
