@@ -1,7 +1,7 @@
 // A sensor of hand-made sets, for studies of sets in tests of the framework.
 #pragma once
 
-#include "framework/estimate/distribution.h"
+#include "framework/estimate/random.h"
 #include "framework/module/registry.h"
 
 namespace ilss::test {
