@@ -84,7 +84,8 @@ void System::begin_tick(double time) {
           .owner = static_cast<std::uint32_t>(i),
           .parameters = plan_->nodes[i].parameters,
           .inputs = state.inputs_,
-          .correlation_unknown = state.correlation_unknown_};
+          .correlation_unknown = state.correlation_unknown_,
+          .run_seed = state.seed_};
 }
 
 void System::evaluate(double time) {

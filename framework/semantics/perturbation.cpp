@@ -161,7 +161,8 @@ void Perturbation::redo(Step& step, std::span<const double> errors, std::uint64_
                               .owner = static_cast<std::uint32_t>(step.node),
                               .parameters = step.parameters,
                               .inputs = step.inputs,
-                              .correlation_unknown = node.correlation_unknown};
+                              .correlation_unknown = node.correlation_unknown,
+                              .run_seed = derive_seed(seed, step.seed)};
   Outcome<> outcome = guarded([&] { return step.module->evaluate(evaluation, step.output); });
   step.failed = !outcome.has_output();
   if (outcome.is_fault()) step.fault = outcome.fault();

@@ -101,20 +101,15 @@ class LepSensor final : public Module {
     double current = 0;
     double moment = 0;
   };
-  /// What the low pass still holds of the readings before.
-  struct Memory {
-    Signal signal = {};
-    double noise = 0;  ///< in standard deviations
-  };
-
   template <typename DrawNoise>
-  Outcome<> scan(const Evaluation& evaluation, std::int64_t last, double end, Memory& memory,
-                 DrawNoise draw_noise, Output& output);
+  Outcome<> scan(const Evaluation& evaluation, std::int64_t last, double end, DrawNoise draw_noise,
+                 Output& output);
+  std::int64_t place_in_scan(std::int64_t reading) const;
 
   Options options_;
   HeadMotion head_;
-  double correlation_ = 0;  ///< of one reading's noise and the next one's
-  Memory memory_ = {};
+  double correlation_ = 0;       ///< of one reading's noise and the next one's
+  std::int64_t remembered_ = 0;  ///< readings that the low pass holds anything of
 };
 
 }  // namespace ilss
