@@ -17,8 +17,7 @@ Outcome<> draw_systematic_errors(const System& system, std::uint64_t seed, Estim
   const std::size_t node = system.plan().outputs.front();
   if (perturbation.failed(node)) return perturbation.fault(node);
   output = perturbation.value(node);
-  for (std::size_t c = 0; c < output.dimension(); ++c)
-    if (output.type->components[c].circular) output.value[c] = wrap_angle(output.value[c]);
+  normalize(*output.type, output.value);
   return {};
 }
 

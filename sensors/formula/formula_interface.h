@@ -89,6 +89,7 @@ class ArgumentReader {
   std::vector<std::size_t> first_;
   std::vector<double> values_;
   std::vector<LineageTerm> terms_;
+  std::vector<Eigen::MatrixXd> in_tangent_;  ///< Jacobians by errors of rotations
 };
 
 /// A fault where the estimate's values or errors are not finite.

@@ -74,19 +74,20 @@ struct RangeScan {
       "ranges along rays; each row of the samples is time (s), head angle (rad), the ray's origin "
       "x and z (m), its bearing from x towards z (rad), the inverse range and the sd of its noise "
       "(1/m), and its sensitivity to the five shared errors (1/m)";
-  static constexpr auto fields = Fields{
-      {"mount_x", "m", "where the rays start, seen from the head's axis at head angle 0", 0},
-      {"mount_z", "m", "the same along z", 0},
-      {"mount_heading", "rad", "how far the rays are turned in the head, x towards z", 0, true},
-      {"error_1", "1", "a systematic error of the ranges; its value is 0", 0},
-      {"error_2", "1", "another", 0},
-      {"error_3", "1", "another", 0},
-      {"error_4", "1", "another", 0},
-      {"error_5", "1", "another", 0},
-      {"noise_correlation", "1", "of one reading's noise and the next one's; exact", 0},
-      {"beam_width", "m", "within which a reading may hold light of two surfaces; exact", 0},
-      {"noise_in_range", "1",
-       "1 where the noise is normal in range, 0 where it is in inverse range; exact", 0}};
+  static constexpr auto fields =
+      Fields{{"mount_x", "m", "where the rays start, seen from the head's axis at head angle 0", 0},
+             {"mount_z", "m", "the same along z", 0},
+             {"mount_heading", "rad", "how far the rays are turned in the head, x towards z", 0,
+              Geometry::circular},
+             {"error_1", "1", "a systematic error of the ranges; its value is 0", 0},
+             {"error_2", "1", "another", 0},
+             {"error_3", "1", "another", 0},
+             {"error_4", "1", "another", 0},
+             {"error_5", "1", "another", 0},
+             {"noise_correlation", "1", "of one reading's noise and the next one's; exact", 0},
+             {"beam_width", "m", "within which a reading may hold light of two surfaces; exact", 0},
+             {"noise_in_range", "1",
+              "1 where the noise is normal in range, 0 where it is in inverse range; exact", 0}};
   static SamplesDescriptor samples() { return {"SI", {"reading", "quantity"}}; }
 };
 

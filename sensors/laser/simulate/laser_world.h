@@ -36,10 +36,12 @@ struct LaserWorldParameters {
              {"bearing_std", "rad", "sd of a beam's direction", 0.0017453292519943296},
              {"robot.x", "m", "where the robot starts in the scene's file", 0},
              {"robot.z", "m", "where the robot starts in the scene's file", 0},
-             {"robot.heading", "rad", "where it looks at first, positive to the right", 0, true},
+             {"robot.heading", "rad", "where it looks at first, positive to the right", 0,
+              Geometry::circular},
              {"mount.x", "m", "the laser's place, forward of the robot's origin", 0},
              {"mount.z", "m", "the laser's place, to the right", 0},
-             {"mount.heading", "rad", "where the laser looks, positive to the right", 0, true}};
+             {"mount.heading", "rad", "where the laser looks, positive to the right", 0,
+              Geometry::circular}};
 };
 
 /// The world that a laser scans. With a scene's file the robot stands where the parameters say, or

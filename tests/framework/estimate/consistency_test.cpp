@@ -29,7 +29,7 @@ template <typename T>
 struct Heading {
   T angle;
   static constexpr std::string_view name = "test_heading";
-  static constexpr auto fields = Fields{{"angle", "rad", "", required, true}};
+  static constexpr auto fields = Fields{{"angle", "rad", "", required, Geometry::circular}};
 };
 
 /// Errors drawn with covariance root rootᵀ, judged under `claimed`.

@@ -20,7 +20,7 @@ struct Pose {
   T range, angle;
   static constexpr std::string_view name = "test_pose";
   static constexpr auto fields =
-      Fields{{"range", "m", "", 1.5}, {"angle", "rad", "", required, true}};
+      Fields{{"range", "m", "", 1.5}, {"angle", "rad", "", required, Geometry::circular}};
 };
 
 Estimate pose(double range, double angle) {

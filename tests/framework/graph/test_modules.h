@@ -32,7 +32,7 @@ struct Turn {
   std::array<int, 1> label{};
   static constexpr std::string_view name = "turn";
   static constexpr auto fields =
-      Fields{{"angle", "rad", "", required, true}, {"ratio", "1", "", 1.0}};
+      Fields{{"angle", "rad", "", required, Geometry::circular}, {"ratio", "1", "", 1.0}};
   static constexpr std::span<const LabelField> labels = turn_labels;
 };
 
@@ -284,7 +284,8 @@ class TurnReading final : public Module {
   struct Parameters {
     T angle;
     static constexpr std::string_view name = "turn_parameters";
-    static constexpr auto fields = Fields{{"angle", "rad", "as given", required, true}};
+    static constexpr auto fields =
+        Fields{{"angle", "rad", "as given", required, Geometry::circular}};
   };
   static Interface interface() { return {{}, &descriptor<Turn>(), "here", {}}; }
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override {

@@ -12,7 +12,7 @@ struct Piece {
   T position, slope, first_reading, last_reading;
   static constexpr std::string_view name = "piece";
   static constexpr auto fields = Fields{{"position", "m"},
-                                        {"slope", "rad", "", required, true},
+                                        {"slope", "rad", "", required, Geometry::circular},
                                         {"first_reading", "1"},
                                         {"last_reading", "1"}};
 };
