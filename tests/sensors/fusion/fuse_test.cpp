@@ -23,11 +23,7 @@ Estimate fused(const std::vector<Output>& inputs) {
 }
 
 void expect_same(const Estimate& a, const Estimate& b, double tolerance) {
-  for (std::size_t c = 0; c < a.dimension(); ++c) {
-    double apart = a.value[c] - b.value[c];
-    if (a.type->components[c].circular) apart = wrap_angle(apart);
-    EXPECT_NEAR(apart, 0, tolerance);
-  }
+  EXPECT_LE(difference(a, b.value).cwiseAbs().maxCoeff(), tolerance);
   EXPECT_LE((a.lineage.covariance() - b.lineage.covariance()).cwiseAbs().maxCoeff(), tolerance);
   EXPECT_LE((cross_covariance(a.lineage, b.lineage) - a.lineage.covariance()).cwiseAbs().maxCoeff(),
             tolerance);

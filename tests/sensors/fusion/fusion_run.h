@@ -18,7 +18,7 @@ struct Pose {
   T x, z, heading;
   static constexpr std::string_view name = "pose";
   static constexpr auto fields =
-      Fields{{"x", "m"}, {"z", "m"}, {"heading", "rad", "", required, true}};
+      Fields{{"x", "m"}, {"z", "m"}, {"heading", "rad", "", required, Geometry::circular}};
 };
 
 template <typename T>
@@ -51,16 +51,13 @@ inline Output drawn(const PayloadDescriptor& payload, const std::vector<double>&
                     const Lineage& lineage, Errors& errors) {
   Output output;
   output.estimate = Estimate(payload);
-  output.estimate.value = truth;
   output.estimate.lineage = lineage;
+  std::vector<double> made(truth.size(), 0.0);
   for (std::size_t k = 0; k < lineage.size(); ++k) {
     const double error = errors.of(lineage.sources()[k]);
-    for (std::size_t c = 0; c < truth.size(); ++c)
-      output.estimate.value[c] += error * lineage.column(k)[c];
+    for (std::size_t c = 0; c < truth.size(); ++c) made[c] += error * lineage.column(k)[c];
   }
-  for (std::size_t c = 0; c < truth.size(); ++c)
-    if (payload.components[c].circular)
-      output.estimate.value[c] = wrap_angle(output.estimate.value[c]);
+  output.estimate.value = retract(payload, truth, made);
   return output;
 }
 
