@@ -52,16 +52,18 @@ class Trials {
     const std::size_t count = perturbation.sources().size();
     const std::size_t end = std::min(trials_, (block + 1) * ErrorDraws::block);
     std::size_t row = 0;
+    std::vector<double> offset;
     for (std::size_t trial = block * ErrorDraws::block; trial < end; ++trial, ++row) {
       perturbation.apply(std::span(errors).subspan(row * count, count),
                          derive_seed(seed_, static_cast<std::uint64_t>(trial)));
-      for (std::size_t o = 0; o < outputs_.size(); ++o) keep(perturbation, trial, o, faults[o]);
+      for (std::size_t o = 0; o < outputs_.size(); ++o)
+        keep(perturbation, trial, o, faults[o], offset);
     }
   }
 
  private:
   void keep(const Perturbation& perturbation, std::size_t trial, std::size_t o,
-            std::pair<std::size_t, std::string>& fault) {
+            std::pair<std::size_t, std::string>& fault, std::vector<double>& offset) {
     Offsets& output = outputs_[o];
     if (output.components.empty()) return;
     if (perturbation.failed(output.node)) {
@@ -71,11 +73,9 @@ class Trials {
     }
     const Estimate& first_order = system_.node(output.node).output.estimate;
     const Estimate& drawn = perturbation.value(output.node);
-    for (std::size_t c = 0; c < output.components.size(); ++c) {
-      const double offset = drawn.value[c] - first_order.value[c];
-      output.components[c][trial] =
-          first_order.type->components[c].circular ? wrap_angle(offset) : offset;
-    }
+    offset.resize(output.components.size());
+    difference(*first_order.type, drawn.value, first_order.value, offset);
+    for (std::size_t c = 0; c < offset.size(); ++c) output.components[c][trial] = offset[c];
   }
 
   const System& system_;
@@ -146,10 +146,9 @@ void take_moments(const Offsets& output, const Estimate& first_order, MonteCarlo
       result.covariance(i, j) = result.covariance(j, i) = sum / std::max(1.0, trials - 1);
     }
   }
-  result.mean = first_order.vector() + offset;
-  for (Eigen::Index i = 0; i < m; ++i)
-    if (first_order.type->components[static_cast<std::size_t>(i)].circular)
-      result.mean[i] = wrap_angle(result.mean[i]);
+  const std::vector<double> mean = retract(*first_order.type, first_order.value,
+                                           std::span(offset.data(), first_order.dimension()));
+  result.mean = Eigen::Map<const Eigen::VectorXd>(mean.data(), m);
 }
 
 MonteCarloOutput summarise(Offsets& output, const Estimate& first_order, std::size_t trials) {

@@ -12,10 +12,10 @@ namespace {
 
 constexpr std::size_t no_source = std::numeric_limits<std::size_t>::max();
 
-/// `to` = `from` + G e.
+/// `to` = `from` ⊕ G e.
 void move(const Estimate& from, std::span<const std::size_t> places, std::span<const double> errors,
           std::vector<double>& to) {
-  std::copy(from.value.begin(), from.value.end(), to.begin());
+  std::fill(to.begin(), to.end(), 0.0);
   for (std::size_t k = 0; k < places.size(); ++k) {
     if (places[k] == no_source) continue;
     const double error = errors[places[k]];
@@ -23,6 +23,7 @@ void move(const Estimate& from, std::span<const std::size_t> places, std::span<c
     const auto column = from.lineage.column(k);
     for (std::size_t c = 0; c < column.size(); ++c) to[c] += error * column[c];
   }
+  retract(*from.type, from.value, to, to);
 }
 
 }  // namespace
@@ -176,13 +177,15 @@ void Perturbation::redo(Step& step, std::span<const double> errors, std::uint64_
 void Perturbation::move_simulated(Step& step, std::span<const double> errors) const {
   Estimate& estimate = step.output.estimate;
   const Lineage& lineage = estimate.lineage;
+  std::vector<double>& moved = step.moved;
+  moved.assign(estimate.dimension(), 0.0);
   for (std::size_t k = 0; k < lineage.size(); ++k) {
     const auto at = std::lower_bound(sources_.begin(), sources_.end(), lineage.sources()[k]);
     if (at == sources_.end() || *at != lineage.sources()[k]) continue;
     const double error = errors[static_cast<std::size_t>(at - sources_.begin())];
-    for (std::size_t c = 0; c < estimate.dimension(); ++c)
-      estimate.value[c] += error * lineage.column(k)[c];
+    for (std::size_t c = 0; c < moved.size(); ++c) moved[c] += error * lineage.column(k)[c];
   }
+  retract(*estimate.type, estimate.value, moved, estimate.value);
   if (!with_lineages_) estimate.lineage.reset(estimate.dimension());
 }
 

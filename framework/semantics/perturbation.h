@@ -60,6 +60,7 @@ class Perturbation {
     std::vector<std::size_t> parameter_sources = {};  ///< likewise
     std::vector<std::size_t> producers = {};          ///< steps that feed it
     std::vector<const Output*> inputs = {};
+    std::vector<double> moved = {};  ///< the error that a simulated reading takes
     Fault fault = {};
     const Step* fault_from = nullptr;
     std::uint64_t seed = 0;

@@ -307,8 +307,8 @@ class Judgement {
     const auto i = static_cast<Eigen::Index>(c);
     const double stated = estimate_.lineage.standard_deviation(c);
     const double drawn = std::sqrt(look.covariance(i, i));
-    double bias = look.mean[i] - estimate_.value[c];
-    if (estimate_.type->components[c].circular) bias = wrap_angle(bias);
+    const double bias = difference(
+        *estimate_.type, std::span(look.mean.data(), estimate_.dimension()), estimate_.value)[i];
     if (std::max({drawn, stated, std::abs(bias)}) <= rounding_of(estimate_, c, sizes_)) return true;
     return stated > 0 && near(look.coverage[c], tolerances.coverage) &&
            std::abs(bias) <= tolerances.mean * stated &&
