@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <random>
 
 #include "framework/estimate/random.h"
 
@@ -35,10 +34,9 @@ struct Heading {
 /// Errors drawn with covariance root rootᵀ, judged under `claimed`.
 ConsistencyStatistic judge(const MatrixXd& root, const MatrixXd& claimed, std::uint64_t seed) {
   RandomBits bits(seed);
-  std::normal_distribution<double> normal;
   ConsistencyStatistic statistic;
   for (int run = 0; run < 2000; ++run) {
-    const VectorXd z = VectorXd::NullaryExpr(root.cols(), [&] { return normal(bits); });
+    const VectorXd z = VectorXd::NullaryExpr(root.cols(), [&] { return draw_normal(bits); });
     statistic.add(normalized_squared_error(root * z, claimed));
   }
   return statistic;

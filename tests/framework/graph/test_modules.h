@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cmath>
-#include <random>
 
 #include "framework/module/registry.h"
 
@@ -82,8 +81,7 @@ class Reading final : public Module {
       if (skipped == evaluation.tick) return Fault{FaultKind::no_detection, "skipped"};
     double x = options_.value;
     RandomBits random = evaluation.random();
-    if (options_.noise == Distribution::normal)
-      x += std::normal_distribution<double>(0, options_.value_std)(random);
+    if (options_.noise == Distribution::normal) x += options_.value_std * draw_normal(random);
     return emit(evaluation, x, output);
   }
   Outcome<> expect(const Evaluation& evaluation, const Output* operating_point,

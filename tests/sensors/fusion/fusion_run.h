@@ -5,7 +5,6 @@
 
 #include <Eigen/Dense>
 #include <map>
-#include <random>
 
 #include "framework/estimate/consistency.h"
 #include "tests/sensors/module_run.h"
@@ -34,15 +33,14 @@ class Errors {
   explicit Errors(std::uint64_t seed) : random_(seed) {}
   double of(const Source& source) {
     const auto [place, fresh] = errors_.try_emplace(source, 0.0);
-    if (fresh) place->second = normal_(random_);
+    if (fresh) place->second = draw_normal(random_);
     return place->second;
   }
   /// Moves one source by an amount that is added to its error, drawn or 0.
   void move(const Source& source, double amount) { errors_[source] += amount; }
 
  private:
-  std::mt19937_64 random_;
-  std::normal_distribution<double> normal_;
+  RandomBits random_;
   std::map<Source, double> errors_;
 };
 
@@ -77,8 +75,8 @@ inline Lineage lineage_of(std::uint32_t owner, const Eigen::MatrixXd& factor) {
 }
 
 /// A lower triangular factor with entries drawn from [-1, 1], its diagonal from [0.5, 1].
-inline Eigen::MatrixXd random_factor(Eigen::Index m, std::mt19937_64& random) {
-  std::uniform_real_distribution<double> entry(-1, 1);
+inline Eigen::MatrixXd random_factor(Eigen::Index m, RandomBits& random) {
+  const auto entry = [](RandomBits& bits) { return draw_uniform(bits, -1, 1); };
   Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(m, m);
   for (Eigen::Index i = 0; i < m; ++i)
     for (Eigen::Index j = 0; j <= i; ++j)
