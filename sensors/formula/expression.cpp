@@ -197,7 +197,7 @@ class Expression final : public Module {
         return fault(*trouble);
       estimate.lineage.reset(rows);
     }
-    normalize(*estimate.type, estimate.value);
+    settle_result(estimate);
     estimate.correlation_unknown = ArgumentReader::correlation_unknown(evaluation);
     return check_finite(estimate);
   }

@@ -224,6 +224,16 @@ void ArgumentReader::propagate(const Evaluation& evaluation, std::span<const dou
     compose(terms_, rows, lineage);
 }
 
+void settle_result(Estimate& estimate) {
+  if (!is_flat(*estimate.type)) {
+    const Eigen::MatrixXd to_errors = retract_by_error(*estimate.type, estimate.value);
+    const Lineage by_components = estimate.lineage;
+    const LineageTerm term{to_errors.data(), &by_components};
+    compose({&term, 1}, estimate.dimension(), estimate.lineage);
+  }
+  normalize(*estimate.type, estimate.value);
+}
+
 Outcome<> check_finite(const Estimate& estimate) {
   double squares = 0;
   for (std::size_t k = 0; k < estimate.lineage.size(); ++k)

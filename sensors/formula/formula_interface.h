@@ -92,6 +92,10 @@ class ArgumentReader {
   std::vector<Eigen::MatrixXd> in_tangent_;  ///< Jacobians by errors of rotations
 };
 
+/// Makes values and errors by components those of the estimate's payload: angles wrap, and errors
+/// of rotations become local ones.
+void settle_result(Estimate& estimate);
+
 /// A fault where the estimate's values or errors are not finite.
 Outcome<> check_finite(const Estimate& estimate);
 

@@ -194,9 +194,9 @@ class Linear final : public Module {
     Eigen::Map<Eigen::VectorXd> result(estimate.value.data(), map_.rows());
     result = offset_;
     result.noalias() += map_ * Eigen::Map<const Eigen::VectorXd>(values.data(), map_.cols());
-    normalize(*estimate.type, estimate.value);
     reader_.propagate(evaluation, {map_.data(), static_cast<std::size_t>(map_.size())}, rows,
                       estimate.lineage);
+    settle_result(estimate);
     estimate.correlation_unknown = ArgumentReader::correlation_unknown(evaluation);
     return check_finite(estimate);
   }
