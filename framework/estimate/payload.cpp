@@ -3,8 +3,33 @@
 #include <algorithm>
 #include <deque>
 #include <mutex>
+#include <stdexcept>
 
 namespace ilss {
+namespace {
+
+void check_rotations(const PayloadDescriptor& payload) {
+  std::size_t in_a_row = 0;
+  const auto whole = [&] {
+    if (in_a_row % 3 != 0)
+      throw std::invalid_argument("a rotation of " + payload.name +
+                                  " does not have three consecutive components");
+  };
+  for (const Component& component : payload.components) {
+    if (component.geometry != Geometry::rotation) {
+      whole();
+      continue;
+    }
+    ++in_a_row;
+    if (component.unit != "rad")
+      throw std::invalid_argument("'" + component.name + "' of " + payload.name +
+                                  " is part of a rotation, and so is in rad, not " +
+                                  component.unit);
+  }
+  whole();
+}
+
+}  // namespace
 
 const PayloadDescriptor& any_payload() {
   static const PayloadDescriptor any{
@@ -50,7 +75,7 @@ bool same_payload(const PayloadDescriptor& a, const PayloadDescriptor& b) {
   if (a.samples && !same_samples(*a.samples, *b.samples)) return false;
   return all_same(a.components, b.components,
                   [](const Component& x, const Component& y) {
-                    return x.name == y.name && x.unit == y.unit && x.circular == y.circular;
+                    return x.name == y.name && x.unit == y.unit && x.geometry == y.geometry;
                   }) &&
          all_same(a.labels, b.labels,
                   [](const Label& x, const Label& y) {
@@ -63,6 +88,7 @@ bool same_payload(const PayloadDescriptor& a, const PayloadDescriptor& b) {
 }
 
 const PayloadDescriptor& intern_payload(PayloadDescriptor payload) {
+  check_rotations(payload);
   static std::mutex mutex;
   static auto* payloads = new std::deque<PayloadDescriptor>;
   const std::lock_guard lock(mutex);

@@ -19,7 +19,7 @@ struct Component {
   std::string unit;  ///< SI: "m", "rad", "1", ...
   std::string documentation;
   std::optional<double> default_value;
-  bool circular = false;
+  Geometry geometry = Geometry::plain;
 };
 
 /// A discrete value with its possible values.
@@ -92,11 +92,13 @@ struct PayloadDescriptor {
 /// module is connected.
 const PayloadDescriptor& any_payload();
 
-/// Whether two payloads are one: the same name, components, units, labels, samples and elements.
+/// Whether two payloads are one: the same name, components, units, geometry, labels, samples and
+/// elements.
 bool same_payload(const PayloadDescriptor& a, const PayloadDescriptor& b);
 
 /// The descriptor to use for a payload that is made at run time, such as one that a graph defines:
 /// equal ones are one object, which lives as long as the program. Thread-safe.
+/// @throws std::invalid_argument where components of a rotation are not three in a row, in radians.
 const PayloadDescriptor& intern_payload(PayloadDescriptor payload);
 
 /// The descriptor of a struct payload, made from its `name` and `fields` (and `labels`,
@@ -111,7 +113,7 @@ const PayloadDescriptor& descriptor() {
     if constexpr (requires { P::documentation; }) d.documentation = P::documentation;
     for (const Field& field : P::fields) {
       Component c{std::string(field.name), std::string(field.unit),
-                  std::string(field.documentation), std::nullopt, field.circular};
+                  std::string(field.documentation), std::nullopt, field.geometry};
       if (field.default_value == field.default_value) c.default_value = field.default_value;
       d.components.push_back(std::move(c));
     }

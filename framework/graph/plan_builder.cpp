@@ -432,7 +432,7 @@ const PayloadDescriptor* PlanBuilder::declare_quantities(
     }
     if (unit) unit = si_unit(*unit);
     readable &= unit.has_value();
-    quantities.components.push_back({name, unit.value_or("1"), "", {}, false});
+    quantities.components.push_back({name, unit.value_or("1"), "", {}});
   }
   return &intern_payload(std::move(quantities));
 }
@@ -454,6 +454,7 @@ void PlanBuilder::read_parameters(const Node& module, const Constants& constants
     }
     read_parameter(*value, i, *constants_of(component.name, constants, override_constants), node);
   }
+  normalize(parameters, node.parameters.value);
 }
 
 void PlanBuilder::read_parameter(const Node& value, std::size_t component,
@@ -461,8 +462,7 @@ void PlanBuilder::read_parameter(const Node& value, std::size_t component,
   const Component& declared = parameters_of(node).components[component];
   const auto store = [&](const WrittenQuantity& quantity) -> std::optional<SiQuantity> {
     const auto si = to_si(quantity, declared.unit, diagnostics_);
-    if (si)
-      node.parameters.value[component] = declared.circular ? wrap_angle(si->value) : si->value;
+    if (si) node.parameters.value[component] = si->value;
     return si;
   };
   if (value.is_scalar() && value.text.starts_with('$')) {

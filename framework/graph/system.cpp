@@ -6,9 +6,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "framework/graph/guarded.h"
 #include "framework/module/carried_correlation.h"
 #include "framework/module/contract.h"
-#include "framework/graph/guarded.h"
 
 namespace ilss {
 namespace {
@@ -160,7 +160,8 @@ void System::start_tick(Time time) {
           .owner = static_cast<std::uint32_t>(i),
           .parameters = plan_->nodes[i].parameters,
           .inputs = state.inputs_,
-          .correlation_unknown = state.correlation_unknown_};
+          .correlation_unknown = state.correlation_unknown_,
+          .run_seed = state.seed_};
 }
 
 void System::evaluate(Time time) {

@@ -196,7 +196,7 @@ void write_component(const Component& component, Writer& writer) {
   writer.text(component.documentation);
   writer.flag(component.default_value.has_value());
   writer.number(component.default_value.value_or(0.0));
-  writer.flag(component.circular);
+  writer.choice(component.geometry);
 }
 
 template <typename Reader>
@@ -208,7 +208,7 @@ Component read_component(Reader& reader) {
   const bool has_default = reader.flag();
   const auto value = reader.template number<double>();
   if (has_default) component.default_value = value;
-  component.circular = reader.flag();
+  component.geometry = reader.choice(Geometry::rotation);
   return component;
 }
 
@@ -254,6 +254,18 @@ void write_payload(const PayloadDescriptor& payload, Writer& writer) {
   writer.text(payload.element);
 }
 
+/// What takes differences of values relies on it.
+void check_rotations(const std::vector<Component>& components) {
+  std::size_t of_rotation = 0;
+  for (const Component& component : components) {
+    if (component.geometry == Geometry::rotation)
+      ++of_rotation;
+    else if (of_rotation % 3 != 0)
+      break;
+  }
+  if (of_rotation % 3 != 0) throw Malformed{"a rotation has other than three components"};
+}
+
 template <typename Reader>
 PayloadDescriptor read_payload(Reader& reader) {
   const auto text = [&reader] { return reader.text(); };
@@ -274,6 +286,7 @@ PayloadDescriptor read_payload(Reader& reader) {
     reader.list(payload.samples->columns, column_bytes, [&] { return read_column(reader); });
   }
   payload.element = reader.text();
+  check_rotations(payload.components);
   return payload;
 }
 

@@ -56,6 +56,7 @@ class Trials {
     const std::size_t count = perturbation.sources().size();
     const std::size_t end = std::min(trials_, (block + 1) * ErrorDraws::block);
     std::size_t row = 0;
+    std::vector<double> offset;
     for (std::size_t trial = block * ErrorDraws::block; trial < end; ++trial, ++row) {
       perturbation.apply(std::span(desk.errors).subspan(row * count, count),
                          derive_seed(seed_, static_cast<std::uint64_t>(trial)));
@@ -130,10 +131,9 @@ void take_moments(const Offsets& output, const Estimate& first_order, MonteCarlo
       result.covariance(i, j) = result.covariance(j, i) = sum / std::max(1.0, trials - 1);
     }
   }
-  result.mean = first_order.vector() + offset;
-  for (Eigen::Index i = 0; i < m; ++i)
-    if (first_order.type->components[static_cast<std::size_t>(i)].circular)
-      result.mean[i] = wrap_angle(result.mean[i]);
+  const std::vector<double> mean = retract(*first_order.type, first_order.value,
+                                           std::span(offset.data(), first_order.dimension()));
+  result.mean = Eigen::Map<const Eigen::VectorXd>(mean.data(), m);
 }
 
 MonteCarloOutput summarise(Offsets& output, const Estimate& first_order, std::size_t trials) {

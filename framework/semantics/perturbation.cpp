@@ -14,10 +14,10 @@ namespace {
 
 constexpr std::size_t no_source = std::numeric_limits<std::size_t>::max();
 
-/// `to` = `from` + G e.
+/// `to` = `from` ⊕ G e.
 void move(const Estimate& from, std::span<const std::size_t> places, std::span<const double> errors,
           std::vector<double>& to) {
-  std::copy(from.value.begin(), from.value.end(), to.begin());
+  std::fill(to.begin(), to.end(), 0.0);
   for (std::size_t k = 0; k < places.size(); ++k) {
     if (places[k] == no_source) continue;
     const double error = errors[places[k]];
@@ -25,6 +25,7 @@ void move(const Estimate& from, std::span<const std::size_t> places, std::span<c
     const auto column = from.lineage.column(k);
     for (std::size_t c = 0; c < column.size(); ++c) to[c] += error * column[c];
   }
+  retract(*from.type, from.value, to, to);
 }
 
 }  // namespace
@@ -225,7 +226,8 @@ void Perturbation::redo(Step& step, std::uint64_t seed) {
                               .owner = static_cast<std::uint32_t>(step.node),
                               .parameters = step.parameters,
                               .inputs = step.inputs,
-                              .correlation_unknown = node.correlation_unknown};
+                              .correlation_unknown = node.correlation_unknown,
+                              .run_seed = derive_seed(seed, step.seed)};
   Outcome<> outcome = guarded([&] {
     return carry_correlation(*node.type, evaluation, step.output,
                              [&] { return step.module->evaluate(evaluation, step.output); });
@@ -242,23 +244,22 @@ void Perturbation::redo(Step& step, std::uint64_t seed) {
 void Perturbation::move_simulated(Step& step) const {
   Estimate& estimate = step.output.estimate;
   const Lineage& lineage = estimate.lineage;
+  std::vector<double>& moved = step.moved;
+  moved.assign(estimate.dimension(), 0.0);
   for (std::size_t k = 0; k < lineage.size(); ++k) {
     const auto at = std::lower_bound(sources_.begin(), sources_.end(), lineage.sources()[k]);
     if (at == sources_.end() || *at != lineage.sources()[k]) continue;
     const double error = errors_[static_cast<std::size_t>(at - sources_.begin())];
-    for (std::size_t c = 0; c < estimate.dimension(); ++c)
-      estimate.value[c] += error * lineage.column(k)[c];
+    for (std::size_t c = 0; c < moved.size(); ++c) moved[c] += error * lineage.column(k)[c];
   }
+  retract(*estimate.type, estimate.value, moved, estimate.value);
   if (!with_lineages_) estimate.lineage.reset(estimate.dimension());
 }
 
 void Perturbation::offset(std::size_t target, std::span<double> out) const {
   const Estimate& stated = system_.node(target_node(target)).output().estimate;
   const Estimate& moved = value(target);
-  for (std::size_t c = 0; c < out.size(); ++c) {
-    const double difference = moved.value[c] - stated.value[c];
-    out[c] = stated.type->components[c].circular ? wrap_angle(difference) : difference;
-  }
+  difference(*stated.type, moved.value, stated.value, out);
 }
 
 Fault Perturbation::fault(std::size_t target) const {

@@ -49,7 +49,7 @@ class Perturbation {
   std::size_t target_node(std::size_t target) const { return target_step(target).node; }
   /// A target's output; as it was stated where no error reaches it.
   const Estimate& value(std::size_t target) const { return target_step(target).shown->estimate; }
-  /// How much its components differ from what was stated (M), circular ones wrapped.
+  /// How much it differs from what was stated (M), as `difference` has it.
   void offset(std::size_t target, std::span<double> out) const;
   /// Whether any error reaches it.
   bool movable(std::size_t target) const { return target_step(target).movable; }
@@ -76,6 +76,7 @@ class Perturbation {
     Estimate parameters = {};
     std::vector<std::size_t> places = {};  ///< of the sources that move it or its parameters
     std::vector<const Output*> inputs = {};
+    std::vector<double> moved = {};  ///< the error that a simulated reading takes
     Fault fault = {};
     const Step* fault_from = nullptr;
     std::uint64_t seed = 0;

@@ -80,7 +80,7 @@ std::vector<const Estimate*> elements_of(const ElementRule& rule,
 
 MatchedElement judge_match(const ElementRule& rule, const Estimate& truth, const Estimate& found) {
   const Eigen::VectorXd error = difference(found, truth.value);
-  const Eigen::MatrixXd covariance = found.lineage.covariance() + truth.lineage.covariance();
+  const Eigen::MatrixXd covariance = independent_covariance(found, truth);
   MatchedElement match{};
   match.error = error(rule.judged);
   match.normalized = normalized_squared_error(match.error, covariance(rule.judged, rule.judged));

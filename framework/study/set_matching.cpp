@@ -22,8 +22,7 @@ std::optional<double> interval_cost(const ElementRule& rule, const Estimate& a, 
 
 std::optional<double> place_cost(const ElementRule& rule, const Estimate& a, const Estimate& b) {
   if (a.labels != b.labels) return std::nullopt;
-  double squared = 0;
-  for (const std::size_t c : rule.place) squared += std::pow(a.value[c] - b.value[c], 2);
+  const double squared = difference(a, b.value)(rule.place).squaredNorm();
   if (!(squared <= rule.gate * rule.gate)) return std::nullopt;
   return std::sqrt(squared);
 }

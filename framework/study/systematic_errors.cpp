@@ -17,8 +17,7 @@ Outcome<> draw_systematic_errors(const System& system, std::uint64_t seed, Estim
   perturbation.apply(std::span(errors).first(sources.size()));
   if (perturbation.failed(0)) return perturbation.fault(0);
   output = perturbation.value(0);
-  for (std::size_t c = 0; c < output.dimension(); ++c)
-    if (output.type->components[c].circular) output.value[c] = wrap_angle(output.value[c]);
+  normalize(*output.type, output.value);
   return {};
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "sensors/camera/scene_renderer.h"
 
@@ -141,9 +140,8 @@ void Camera::simulate(const Evaluation& evaluation, double noise_std, Output& ou
                   static_cast<std::size_t>(options_.columns));
   output.samples.standard_deviations.clear();
   RandomBits bits = evaluation.random();
-  std::normal_distribution<double> noise;
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    const double level = noise_std > 0 ? levels[i] + noise_std * noise(bits) : levels[i];
+    const double level = noise_std > 0 ? levels[i] + noise_std * draw_normal(bits) : levels[i];
     grey[i] = static_cast<std::uint8_t>(std::clamp(std::round(level), 0.0, 255.0));
   }
 }

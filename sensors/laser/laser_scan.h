@@ -47,7 +47,8 @@ struct LaserScan {
              {"bias_range", "m", "at which each bias is what it says; exact", 1},
              {"mount_x", "m", "the laser's place, forward of the robot's origin", 0},
              {"mount_z", "m", "the laser's place, to the right", 0},
-             {"mount_heading", "rad", "where the laser looks, positive to the right", 0, true}};
+             {"mount_heading", "rad", "where the laser looks, positive to the right", 0,
+              Geometry::circular}};
   static SamplesDescriptor samples() { return samples_of_rows<LaserBeam>("beam"); }
 };
 

@@ -82,19 +82,20 @@ struct RangeScan {
 
   static constexpr std::string_view name = "range_scan";
   static constexpr std::string_view documentation = "ranges along rays";
-  static constexpr auto fields = Fields{
-      {"mount_x", "m", "where the rays start, seen from the head's axis at head angle 0", 0},
-      {"mount_z", "m", "the same along z", 0},
-      {"mount_heading", "rad", "how far the rays are turned in the head, x towards z", 0, true},
-      {"error_1", "1", "a systematic error of the ranges; its value is 0", 0},
-      {"error_2", "1", "another", 0},
-      {"error_3", "1", "another", 0},
-      {"error_4", "1", "another", 0},
-      {"error_5", "1", "another", 0},
-      {"noise_correlation", "1", "of one reading's noise and the next one's; exact", 0},
-      {"beam_width", "m", "within which a reading may hold light of two surfaces; exact", 0},
-      {"noise_in_range", "1",
-       "1 where the noise is normal in range, 0 where it is in inverse range; exact", 0}};
+  static constexpr auto fields =
+      Fields{{"mount_x", "m", "where the rays start, seen from the head's axis at head angle 0", 0},
+             {"mount_z", "m", "the same along z", 0},
+             {"mount_heading", "rad", "how far the rays are turned in the head, x towards z", 0,
+              Geometry::circular},
+             {"error_1", "1", "a systematic error of the ranges; its value is 0", 0},
+             {"error_2", "1", "another", 0},
+             {"error_3", "1", "another", 0},
+             {"error_4", "1", "another", 0},
+             {"error_5", "1", "another", 0},
+             {"noise_correlation", "1", "of one reading's noise and the next one's; exact", 0},
+             {"beam_width", "m", "within which a reading may hold light of two surfaces; exact", 0},
+             {"noise_in_range", "1",
+              "1 where the noise is normal in range, 0 where it is in inverse range; exact", 0}};
   static SamplesDescriptor samples() { return samples_of_rows<RangeReading>("reading"); }
 };
 

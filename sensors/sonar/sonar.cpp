@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "sensors/scene/beam.h"
 
@@ -105,7 +104,7 @@ Outcome<> Sonar::evaluate(const Evaluation& evaluation, Output& output) {
   if (!range) return range.fault();
   if (options_.input.scene) {
     RandomBits random = evaluation.random();
-    *range += standard_deviation(*range) * std::normal_distribution<double>()(random);
+    *range += standard_deviation(*range) * draw_normal(random);
   }
   return emit(evaluation, *range, output);
 }

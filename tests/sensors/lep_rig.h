@@ -73,7 +73,8 @@ struct LepRig {
                                 .time = time_at(period * static_cast<double>(tick + 1)),
                                 .seed = derive_seed(seed, static_cast<std::uint64_t>(tick)),
                                 .parameters = sensor_parameters,
-                                .inputs = {}};
+                                .inputs = {},
+                                .run_seed = seed};
     return sensor.evaluate(evaluation, output);
   }
 

@@ -47,7 +47,8 @@ class LaserLog final : public Module {
     static constexpr auto fields =
         Fields{{"mount.x", "m", "the laser's place, forward of the robot's origin", 0},
                {"mount.z", "m", "the laser's place, to the right", 0},
-               {"mount.heading", "rad", "where the laser looks, positive to the right", 0, true}};
+               {"mount.heading", "rad", "where the laser looks, positive to the right", 0,
+                Geometry::circular}};
   };
 
   struct Options {

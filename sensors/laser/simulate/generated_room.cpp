@@ -15,17 +15,14 @@ constexpr int placement_attempts = 200;  // for a thing of one size
 constexpr int standpoint_attempts = 5000;
 constexpr std::size_t most_stray_readings = 4;  // of a piece that does not count
 
-/// Random numbers that are the same wherever the program is built.
+/// What a room is drawn with.
 class Draw {
  public:
   explicit Draw(std::uint64_t seed) : random_(seed) {}
-  double between(double low, double high) {
-    constexpr double unit = 0x1p-53;
-    return low + (high - low) * (static_cast<double>(random_() >> 11) * unit);
-  }
+  double between(double low, double high) { return draw_uniform(random_, low, high); }
   /// Whole numbers from `low` to `high`.
   int whole(int low, int high) {
-    return low + static_cast<int>(random_() % static_cast<std::uint64_t>(high - low + 1));
+    return low + static_cast<int>(draw_index(random_, static_cast<std::uint64_t>(high - low + 1)));
   }
   bool chance(double probability) { return between(0, 1) < probability; }
 

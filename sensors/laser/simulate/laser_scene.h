@@ -45,7 +45,6 @@ class LaserScene final : public Module {
   /// The scan without noise, with the errors that the readings would have.
   Outcome<> expect(const Evaluation& evaluation, const Output* operating_point,
                    Output& output) override;
-  void reset() override { world_.reset(); }
 
   /// The scene of the last tick, and how the laser stood in it; nothing before the first.
   const Scene* scene() const { return stand_ ? &world_.scene() : nullptr; }

@@ -54,8 +54,6 @@ void LaserWorld::set_scene(Scene scene) {
   caster_.emplace(*scene_);
 }
 
-void LaserWorld::reset() { map_ = -1; }
-
 Outcome<LaserStand> LaserWorld::enter(const Evaluation& evaluation) {
   const auto p = payload_of<LaserWorldParameters>(evaluation.parameters);
   for (const double deviation : {p.range_std, p.bearing_std})
@@ -68,9 +66,12 @@ Outcome<LaserStand> LaserWorld::enter(const Evaluation& evaluation) {
     return LaserStand{drive(start, options_.speed, options_.turn_rate, seconds(evaluation.time)),
                       mount};
   }
-  if (const std::int64_t map = evaluation.tick / options_.scans_per_map; map != map_) {
-    set_scene(generate_room(derive_seed(evaluation.seed, "room")));
-    map_ = map;
+  const std::int64_t first_in_map =
+      evaluation.tick / options_.scans_per_map * options_.scans_per_map;
+  if (const std::uint64_t room = derive_seed(evaluation.seed_at(first_in_map), "room");
+      room != room_) {
+    set_scene(generate_room(room));
+    room_ = room;
   }
   const auto robot =
       draw_standpoint(*scene_, *caster_, sweep_, mount, derive_seed(evaluation.seed, "standpoint"));

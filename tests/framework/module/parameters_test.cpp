@@ -213,8 +213,9 @@ template <typename T>
 struct Mounting {
   T x, heading, gain;
   static constexpr std::string_view name = "test_mounting";
-  static constexpr auto fields = Fields{
-      {"mount.x", "m", "forward"}, {"mount.heading", "rad", "", 0.0, true}, {"gain", "1", "", 2.0}};
+  static constexpr auto fields = Fields{{"mount.x", "m", "forward"},
+                                        {"mount.heading", "rad", "", 0.0, Geometry::circular},
+                                        {"gain", "1", "", 2.0}};
 };
 
 TEST(Declarations, OfDottedQuantitiesAreGroups) {

@@ -26,7 +26,7 @@ template <typename T>
 struct CircularMetres {
   T x;
   static constexpr std::string_view name = "registry_payload";
-  static constexpr auto fields = Fields{{"x", "m", "", required, true}};
+  static constexpr auto fields = Fields{{"x", "m", "", required, Geometry::circular}};
 };
 
 struct Beam {

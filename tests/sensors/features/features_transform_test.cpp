@@ -95,7 +95,7 @@ PlanarPose<T> inverse(const PlanarPose<T>& pose) {
 }
 
 double difference_of(double a, double b, const Component& component) {
-  return component.circular ? wrap_angle(a - b) : a - b;
+  return component.geometry == Geometry::circular ? wrap_angle(a - b) : a - b;
 }
 
 TEST(FeaturesTransform, DerivativesAreThoseOfCentralDifferences) {

@@ -118,6 +118,38 @@ TEST(LaserScene, StaysInARoomForItsScansAndThenGoesOn) {
   EXPECT_NE(first_wall(5), first);
 }
 
+template <typename M>
+void expect_no_order_of_ticks(const typename M::Options& options) {
+  const auto at = [](std::int64_t number) {
+    return tick_at({0.1, -0.2, 0.3}, number, derive_seed(1, static_cast<std::uint64_t>(number)));
+  };
+  M in_order(options);
+  std::vector<Output> ticks;
+  for (std::int64_t number = 0; number < 13; ++number)
+    ticks.push_back(output_of_module(in_order, at(number)));
+  M other(options);
+  for (const std::int64_t number : {7, 3, 12, 7, 0}) {
+    const Output output = output_of_module(other, at(number));
+    const Output& expected = ticks[static_cast<std::size_t>(number)];
+    EXPECT_EQ(output.samples.values, expected.samples.values) << "tick " << number;
+    EXPECT_EQ(output.estimate.value, expected.estimate.value) << "tick " << number;
+    ASSERT_EQ(output.elements.size(), expected.elements.size()) << "tick " << number;
+    for (std::size_t e = 0; e < output.elements.size(); ++e)
+      EXPECT_EQ(output.elements[e].value, expected.elements[e].value);
+  }
+}
+
+TEST(LaserScene, DoesNotDependOnWhichTickIsAskedFirst) {
+  expect_no_order_of_ticks<LaserScene>({});
+  expect_no_order_of_ticks<LaserSceneFeatures>({});
+  expect_no_order_of_ticks<LaserSceneSegments>({});
+  LaserScene::Options moving{.world = scene_options(corner_and_box())};
+  moving.world.speed = 0.3;
+  moving.world.turn_rate = 0.2;
+  moving.world.sweep_time = 0.05;
+  expect_no_order_of_ticks<LaserScene>(moving);
+}
+
 TEST(LaserScene, GivesTheSameScansAgainAfterAReset) {
   LaserScene laser({});
   const Output before = output_of_module(laser, tick_at({}, 0, 11));
