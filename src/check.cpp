@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include "framework/graph/correlation.h"
-#include "framework/report/command_report.h"
-#include "framework/report/estimate_json.h"
+#include "framework/report/command_json.h"
+#include "framework/report/command_text.h"
 #include "src/session.h"
 
 namespace ilss {

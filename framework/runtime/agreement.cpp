@@ -16,12 +16,12 @@ Agreement::Agreement(const Plan& plan) {
   }
 }
 
-void Agreement::observe(const System& system) {
+void Agreement::observe(const TickView& tick) {
   for (AgreementCount& pair : pairs_) {
-    const NodeState& a = system.node(system.plan().outputs[pair.first]);
-    const NodeState& b = system.node(system.plan().outputs[pair.second]);
-    if (!a.fresh || !b.fresh) continue;
-    const NormalizedError innovation = nis(a.output().estimate, b.output().estimate);
+    const Output* a = tick.output(pair.first).output;
+    const Output* b = tick.output(pair.second).output;
+    if (a == nullptr || b == nullptr) continue;
+    const NormalizedError innovation = nis(a->estimate, b->estimate);
     if (innovation.rank == 0) continue;
     ++pair.compared;
     if (innovation.value <= chi_square_quantile(innovation.rank, probability)) ++pair.agreed;
