@@ -7,15 +7,14 @@ CharacteristicOutput TickView::view(std::size_t node, const VerdictReport* verdi
   const Output* latest = state.has_value ? &state.output() : nullptr;
   Duration compute_time{};
   if (!beside_.counts.empty())
-    compute_time = Duration(static_cast<Duration::rep>(
-        CycleClock::instance().nanoseconds(0, beside_.counts[node])));
+    compute_time = Duration(
+        static_cast<Duration::rep>(CycleClock::instance().nanoseconds(0, beside_.counts[node])));
   return {.tick = tick(),
           .time = time(),
           .node = node,
           .module = plan().nodes[node],
           .outcome = state.outcome,
-          .origin =
-              state.outcome.is_fault() ? &plan().nodes[state.origin.value_or(node)] : nullptr,
+          .origin = state.outcome.is_fault() ? &plan().nodes[state.origin.value_or(node)] : nullptr,
           .output = state.outcome.has_output() ? latest : nullptr,
           .latest = latest,
           .compute_time = compute_time,

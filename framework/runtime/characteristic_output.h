@@ -22,10 +22,10 @@ struct CharacteristicOutput {
   std::size_t node;   ///< in the plan
   const PlanNode& module;
   const Outcome<>& outcome;
-  const PlanNode* origin;        ///< whose fault it is; null where the outcome is none
-  const Output* output;          ///< what the module gave in this tick; null where it gave nothing
-  const Output* latest;          ///< the same, or held while the module is pending; null after a fault
-  Duration compute_time;         ///< also of a module that had nothing to do; 0 where not measured
+  const PlanNode* origin;  ///< whose fault it is; null where the outcome is none
+  const Output* output;    ///< what the module gave in this tick; null where it gave nothing
+  const Output* latest;    ///< the same, or held while the module is pending; null after a fault
+  Duration compute_time;   ///< also of a module that had nothing to do; 0 where not measured
   const VerdictReport* verdict;  ///< on this output; null where nobody asked for one
 
   /// When the latest data were acquired, from the oldest to the newest.

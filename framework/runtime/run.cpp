@@ -27,10 +27,14 @@ Time simulated_time(std::int64_t tick, Duration period) {
 
 std::string_view run_end_name(RunEnd end) {
   switch (end) {
-    case RunEnd::end_of_data: return "end_of_data";
-    case RunEnd::device_lost: return "device_lost";
-    case RunEnd::most_ticks: return "most_ticks";
-    case RunEnd::interrupted: return "interrupted";
+    case RunEnd::end_of_data:
+      return "end_of_data";
+    case RunEnd::device_lost:
+      return "device_lost";
+    case RunEnd::most_ticks:
+      return "most_ticks";
+    case RunEnd::interrupted:
+      return "interrupted";
   }
   return "";
 }
@@ -107,9 +111,12 @@ const Ending& Run::finish() {
 
 std::optional<Time> Run::next_time() {
   switch (options_.pacing) {
-    case Pacing::simulated: return simulated_time(ticks_, options_.period);
-    case Pacing::real: return next_real_time();
-    case Pacing::data: return next_time_of_data();
+    case Pacing::simulated:
+      return simulated_time(ticks_, options_.period);
+    case Pacing::real:
+      return next_real_time();
+    case Pacing::data:
+      return next_time_of_data();
   }
   return std::nullopt;
 }

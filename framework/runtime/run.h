@@ -93,6 +93,7 @@ class Run {
   /// The last tick. @pre There was one.
   const TickView& last() const { return *view_; }
 
+  const Plan& plan() const { return plan_; }
   const Runner& runner() const { return runner_; }
   System& system() { return runner_.system(); }
 
@@ -119,8 +120,8 @@ class Run {
   std::int64_t ticks_ = 0;
   std::int64_t judged_ticks_ = 0;
   std::int64_t missed_periods_ = 0;
-  std::int64_t period_ = 0;                             ///< how many have gone by
-  std::optional<Time> first_;                           ///< the first tick's time
+  std::int64_t period_ = 0;                                     ///< how many have gone by
+  std::optional<Time> first_;                                   ///< the first tick's time
   std::optional<std::chrono::steady_clock::time_point> began_;  ///< at the first tick
 };
 
