@@ -32,9 +32,4 @@ std::string_view fault_name(FaultKind kind) {
   return "internal";
 }
 
-std::string_view outcome_name(const Outcome<>& outcome) {
-  if (outcome.has_output()) return "output";
-  return outcome.is_pending() ? "pending" : "fault";
-}
-
 }  // namespace ilss

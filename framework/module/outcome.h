@@ -79,7 +79,4 @@ class [[nodiscard]] Outcome<void> {
   bool pending_ = false;
 };
 
-/// What a tick came to: "output", "pending" or "fault".
-std::string_view outcome_name(const Outcome<>& outcome);
-
 }  // namespace ilss

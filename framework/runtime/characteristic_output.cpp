@@ -2,6 +2,11 @@
 
 namespace ilss {
 
+std::string_view outcome_name(const Outcome<>& outcome) {
+  if (outcome.has_output()) return "output";
+  return outcome.is_pending() ? "pending" : "fault";
+}
+
 CharacteristicOutput TickView::view(std::size_t node, const VerdictReport* verdict) const {
   const NodeState& state = system_->node(node);
   const Output* latest = state.has_value ? &state.output() : nullptr;

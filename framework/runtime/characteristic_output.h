@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "framework/graph/system.h"
@@ -13,6 +14,9 @@
 #include "framework/semantics/verdict.h"
 
 namespace ilss {
+
+/// "output", "pending" or "fault".
+std::string_view outcome_name(const Outcome<>& outcome);
 
 /// A module's characteristic output vector at a tick. A view: what it points to lives until the
 /// next tick.

@@ -86,6 +86,10 @@ class Run {
   void schedule(ScheduledCommand command);
 
   std::int64_t ticks() const { return ticks_; }
+  /// How many commands from outside wait for their time.
+  std::size_t waiting_commands() const {
+    return options_.commands.size() + runner_.commander().waiting();
+  }
   /// How many of them were judged.
   std::int64_t judged_ticks() const { return judged_ticks_; }
   /// Periods of the real clock that went by while a tick took longer.
