@@ -11,8 +11,13 @@ Agreement::Agreement(const Plan& plan) {
     const PlanNode& a = plan.nodes[plan.outputs[i]];
     const PlanNode& b = plan.nodes[plan.outputs[next]];
     if (a.interface.output->name == b.interface.output->name && a.frame == b.frame &&
-        a.interface.output->dimension() > 0)
+        a.interface.output->dimension() > 0) {
       pairs_.push_back({i, next});
+      while (bounds_.size() <= a.interface.output->dimension())
+        bounds_.push_back(bounds_.empty() ? 0
+                                          : chi_square_quantile(static_cast<double>(bounds_.size()),
+                                                                probability));
+    }
   }
 }
 
@@ -24,7 +29,7 @@ void Agreement::observe(const TickView& tick) {
     const NormalizedError innovation = nis(a->estimate, b->estimate);
     if (innovation.rank == 0) continue;
     ++pair.compared;
-    if (innovation.value <= chi_square_quantile(innovation.rank, probability)) ++pair.agreed;
+    if (innovation.value <= bounds_[static_cast<std::size_t>(innovation.rank)]) ++pair.agreed;
   }
 }
 

@@ -33,6 +33,7 @@ class Agreement final : public Observer {
 
  private:
   std::vector<AgreementCount> pairs_;
+  std::vector<double> bounds_;  ///< of the normalised innovation squared, by its rank
 };
 
 }  // namespace ilss
