@@ -36,7 +36,7 @@ Runner::Runner(const Plan& plan, std::uint64_t seed, SystemOptions options, unsi
       clock_(CycleClock::instance()),
       counts_(plan.nodes.size()),
       latencies_(plan.nodes.size()),
-      outcomes_(plan.nodes.size()) {}
+      rare_outcomes_(plan.nodes.size()) {}
 
 void Runner::step(Time time) {
   commander_.give(system_, time);
@@ -60,21 +60,26 @@ void Runner::evaluate(Time time) {
   tick_ns_ = reader.nanoseconds();
 }
 
+/// Mostly there is an output, whose time is all there is to keep.
 void Runner::record(std::size_t node) {
   const NodeState& state = system_.node(node);
-  OutcomeCounts& counts = outcomes_[node];
-  if (state.outcome.is_pending()) {
-    ++counts.pending;
-    return;
-  }
-  if (state.outcome.has_output()) {
-    ++counts.outputs;
-  } else {
+  if (!state.outcome.has_output()) [[unlikely]] {
+    OutcomeCounts& counts = rare_outcomes_[node];
+    if (state.outcome.is_pending()) {
+      ++counts.pending;
+      return;
+    }
     has_fault_ = true;
     ++counts.faults_by_kind[static_cast<std::size_t>(state.outcome.fault().kind)];
     if (state.origin != node) return;
   }
   latencies_[node].record(compute_ns(node));
+}
+
+OutcomeCounts Runner::outcomes(std::size_t node) const {
+  OutcomeCounts counts = rare_outcomes_[node];
+  counts.outputs = static_cast<std::uint64_t>(system_.ticks()) - counts.pending - counts.faults();
+  return counts;
 }
 
 Profile Runner::profile() const {

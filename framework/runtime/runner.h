@@ -71,7 +71,7 @@ class Runner {
   const LatencyHistogram& latency(std::size_t node) const { return latencies_[node]; }
   /// The times of whole ticks.
   const LatencyHistogram& end_to_end() const { return end_to_end_; }
-  const OutcomeCounts& outcomes(std::size_t node) const { return outcomes_[node]; }
+  OutcomeCounts outcomes(std::size_t node) const;
 
   /// The modules' measured times: typical is the median, worst what one tick in 1,000 exceeds (the
   /// maximum of fewer ticks), so that in a long run a single interruption by the operating system
@@ -88,7 +88,7 @@ class Runner {
   const CycleClock& clock_;
   std::vector<std::uint64_t> counts_;  ///< of the clock, a node
   std::vector<LatencyHistogram> latencies_;
-  std::vector<OutcomeCounts> outcomes_;
+  std::vector<OutcomeCounts> rare_outcomes_;  ///< all but outputs, which are what is left
   LatencyHistogram end_to_end_;
   std::uint64_t tick_ns_ = 0;
   bool has_fault_ = false;
