@@ -2,8 +2,9 @@
 #include <fmt/format.h>
 
 #include "framework/graph/correlation.h"
-#include "framework/report/command_report.h"
-#include "framework/report/estimate_json.h"
+#include "framework/report/command_json.h"
+#include "framework/report/command_text.h"
+#include "framework/runtime/run.h"
 #include "src/session.h"
 
 namespace ilss {
@@ -60,22 +61,32 @@ void print_json(const Plan& plan) {
   fmt::print("{}\n", json_text(plan_json));
 }
 
+/// Opens all files and devices that the graph's modules read, or says which cannot be opened.
+void open_all(const Plan& plan) {
+  Run run(plan, {});
+  Diagnostics diagnostics;
+  if (!run.open(diagnostics)) report_and_exit(diagnostics);
+}
+
 }  // namespace
 
 void add_check(Verb command, Session& session) {
   struct Arguments {
     std::string graph;
     std::vector<std::string> sets;
+    bool open = false;
     bool json = false;
   };
   const auto arguments = std::make_shared<Arguments>();
   Verb verb = command.add_verb("check", "Report all errors of a graph, or print its plan");
   verb.add_option("GRAPH", arguments->graph, "Graph file").required();
   verb.add_set_option(arguments->sets);
+  verb.add_flag("--open", arguments->open, "Open the files and devices that its modules read, too");
   verb.add_flag("--json", arguments->json, "Print JSON");
   verb.on_call([arguments, &session] {
     session.load_modules();
     const Plan plan = session.read_graph(arguments->graph, arguments->sets);
+    if (arguments->open) open_all(plan);
     arguments->json ? print_json(plan) : print_text(plan);
   });
 }

@@ -85,20 +85,19 @@ FeatureFile::FeatureFile(const std::string& path, const Plan& plan) {
   }
 }
 
-void FeatureFile::add(const System& system, double time,
-                      const std::vector<VerdictReport>& verdicts) {
-  const NodeState& state = system.node(system.plan().outputs.front());
-  if (!state.outcome.has_output() || !state.fresh) return;
-  const std::int64_t tick = system.ticks() - 1;
+void FeatureFile::add(const TickView& tick) {
+  const Output* set = tick.output(0).output;
+  if (set == nullptr) return;
+  const double time = seconds(tick.time());
+  const double acquired = seconds(set->acquired.oldest);
   if (columns_) {
-    const std::string leading =
-        fmt::format("{},{},{}", tick, time, seconds(state.output().acquired.oldest));
-    for (const Estimate& element : state.output().elements) add_row(element, leading);
+    const std::string leading = fmt::format("{},{},{}", tick.tick(), time, acquired);
+    for (const Estimate& element : set->elements) add_row(element, leading);
   } else {
-    const Json json = {{"tick", tick},
+    const Json json = {{"tick", tick.tick()},
                        {"time", time},
-                       {"acquired", seconds(state.output().acquired.oldest)},
-                       {"output", outputs_json(system, system.plan().owners, verdicts)}};
+                       {"acquired", acquired},
+                       {"output", outputs_json(tick)}};
     file_->stream() << (ticks_ == 0 ? "\n" : ",\n") << json_text(json, true);
   }
   ++ticks_;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/semantics/verdict.h"
+#include "framework/runtime/characteristic_output.h"
 #include "src/output_file.h"
 
 namespace ilss {
@@ -27,8 +27,10 @@ class FeatureFile {
   /// format, and with what OutputFile says. @throws Exit
   FeatureFile(const std::string& path, const Plan& plan);
 
-  /// Adds the tick's set, where the tick has given one; `verdicts` are the outputs'.
-  void add(const System& system, double time, const std::vector<VerdictReport>& verdicts);
+  /// Whether it holds verdicts.
+  bool has_verdicts() const { return !columns_; }
+  /// Adds the tick's set, where the tick has given one.
+  void add(const TickView& tick);
   /// Puts the file in its place. @throws Exit
   void commit();
 

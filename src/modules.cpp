@@ -1,7 +1,7 @@
 // `ilss modules`: what module types there are, and all that is declared of one.
 #include <fmt/format.h>
 
-#include "framework/report/command_report.h"
+#include "framework/report/command_json.h"
 #include "framework/report/estimate_json.h"
 #include "src/session.h"
 

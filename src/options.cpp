@@ -80,6 +80,7 @@ Option Verb::add_option(const std::string& name, T& value, const std::string& de
 template Option Verb::add_option(const std::string&, std::string&, const std::string&);
 template Option Verb::add_option(const std::string&, std::vector<std::string>&, const std::string&);
 template Option Verb::add_option(const std::string&, int&, const std::string&);
+template Option Verb::add_option(const std::string&, unsigned&, const std::string&);
 template Option Verb::add_option(const std::string&, double&, const std::string&);
 template Option Verb::add_option(const std::string&, std::uint64_t&, const std::string&);
 template Option Verb::add_option(const std::string&, std::optional<std::int64_t>&,
@@ -114,6 +115,7 @@ OptionCheck whole_number(T least, T most) {
 }
 
 template OptionCheck whole_number(int, int);
+template OptionCheck whole_number(unsigned, unsigned);
 template OptionCheck whole_number(std::int64_t, std::int64_t);
 template OptionCheck whole_number(std::uint64_t, std::uint64_t);
 

@@ -1,9 +1,12 @@
 // `ilss run`: a system over its input, with its instruments.
+#include "framework/runtime/run.h"
+
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
+#include <atomic>
 #include <cerrno>
-#include <cmath>
+#include <charconv>
 #include <csignal>
 #include <cstdint>
 #include <cstring>
@@ -12,12 +15,9 @@
 #include <limits>
 
 #include "framework/estimate/units.h"
-#include "framework/report/command_report.h"
-#include "framework/report/estimate_json.h"
-#include "framework/report/estimate_text.h"
-#include "framework/report/set_text.h"
-#include "framework/runtime/agreement.h"
-#include "framework/runtime/runner.h"
+#include "framework/report/run_summary.h"
+#include "framework/report/tick_json.h"
+#include "framework/report/tick_text.h"
 #include "src/feature_file.h"
 #include "src/picture.h"
 #include "src/picture_svg.h"
@@ -26,24 +26,26 @@
 namespace ilss {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
+std::atomic<bool> interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free);  // set by a signal's handler
 
 /// Where no --ticks is given, a run without end stops here.
 constexpr std::int64_t default_ticks = 1000;
 constexpr double longest_period = 1e6;  // s
+constexpr unsigned most_threads = 1024;
 constexpr double least_picture_scale = 1e-3;
 constexpr double most_picture_scale = 1e6;
-
-/// Outputs up to this number are shown one by one at every tick; more are counted.
-constexpr std::size_t most_outputs_shown = 4;
 
 struct Arguments {
   std::string graph;
   std::vector<std::string> sets;
   std::vector<std::string> commands;
   std::optional<std::int64_t> ticks = {};
+  std::string time = "period";
   std::string period = "100 ms";
   std::uint64_t seed = 1;
+  unsigned threads = 1;
+  std::string verdict;
   std::string profile;
   std::string features;
   std::string picture;
@@ -52,239 +54,52 @@ struct Arguments {
   bool quiet = false;
 };
 
-/// How often there was which verdict.
-using VerdictCounts = std::array<std::uint64_t, static_cast<std::size_t>(Verdict::invalid) + 1>;
-
-/// What the summary tells of one output beyond its outcomes.
-struct OutputSummary {
-  std::uint64_t outputs = 0;
-  VerdictCounts verdicts = {};
-  std::vector<double> variance_sum;
-  SetSummary elements = {};  ///< of a set
-};
-
 /// Leaves the run after the tick at the first Ctrl-C; the second ends the command, so that a run
 /// that hangs in a tick can be ended, too.
 void end_run_at_interrupt() {
   struct sigaction action = {};
-  action.sa_handler = [](int) { interrupted = 1; };
+  action.sa_handler = [](int) { interrupted = true; };
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigaction(SIGINT, &action, nullptr);
 }
 
-/// The first node whose source has come to its end or cannot be read any more, if any.
-std::optional<std::size_t> find_fault(const System& system, FaultKind kind) {
-  for (std::size_t i = 0; i < system.size(); ++i)
-    if (system.node(i).outcome.is_fault() && system.node(i).outcome.fault().kind == kind) return i;
-  return std::nullopt;
-}
-
-Json tick_json(const Runner& runner, double time, const std::vector<VerdictReport>& verdicts) {
-  const System& system = runner.system();
-  const Plan& plan = system.plan();
-  const auto [outcome, at] = system_outcome(system);
-  Json json = {{"tick", system.ticks() - 1}, {"time", time}, {"outcome", outcome_name(*outcome)}};
-  if (outcome->is_fault())
-    json["fault"] =
-        fault_json(outcome->fault(), plan.nodes[system.node(at).origin.value_or(at)].name);
-  json["output"] = outputs_json(system, plan.owners, verdicts);
-  Json modules = Json::object();
-  for (std::size_t i = 0; i < system.size(); ++i) {
-    const NodeState& state = system.node(i);
-    Json module = {{"outcome", outcome_name(state.outcome)},
-                   {"compute_ns", runner.compute_ns(i)},
-                   {"age_ns", nullptr}};
-    if (state.has_value)
-      module["age_ns"] = (time_at(time) - state.output().acquired.oldest).count();
-    if (state.outcome.is_fault())
-      module["fault"] =
-          fault_json(state.outcome.fault(), plan.nodes[state.origin.value_or(i)].name);
-    modules[plan.nodes[i].name] = std::move(module);
+/// Prints every tick, with the verdicts on what it prints.
+class TickPrinter final : public Observer {
+ public:
+  explicit TickPrinter(bool as_json) : as_json_(as_json) {}
+  bool wants_verdicts(const TickView&) override { return true; }
+  void observe(const TickView& tick) override {
+    fmt::print("{}", as_json_ ? json_text(tick_json(tick), true) + "\n" : tick_text(tick));
   }
-  json["modules"] = std::move(modules);
-  for (const GivenCommand& given : runner.commander().given())
-    json["commands"].push_back(given_command_json(given, plan));
-  return json;
-}
 
-/// The verdicts that are not linear_ok: "23 second_order, 2 invalid"; empty where there is none.
-std::string verdict_counts_text(const VerdictCounts& counts) {
-  std::string text;
-  for (std::size_t verdict = 0; verdict < counts.size(); ++verdict)
-    if (counts[verdict] != 0 && static_cast<Verdict>(verdict) != Verdict::linear_ok)
-      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", counts[verdict],
-                          verdict_name(static_cast<Verdict>(verdict)));
-  return text;
-}
+ private:
+  bool as_json_;
+};
 
-/// What one output came to in a tick, on one line, with a mark where its error is not to be
-/// believed as it stands.
-std::string output_text(const System& system, std::size_t node, Verdict verdict) {
-  const NodeState& state = system.node(node);
-  if (state.outcome.is_fault())
-    return fmt::format("{} in {}: {}", fault_name(state.outcome.fault().kind),
-                       system.plan().nodes[state.origin.value_or(node)].name,
-                       state.outcome.fault().message);
-  if (!state.outcome.has_output()) return "pending";
-  const Estimate& estimate = state.output().estimate;
-  std::string text = samples_text(state.output());
-  if (has_parts(*estimate.type)) {
-    text += (text.empty() ? "" : "  ") + component_line(estimate);
-  } else {
-    for (std::size_t i = 0; i < estimate.dimension(); ++i) {
-      const Component& component = estimate.type->components[i];
-      text += fmt::format(
-          "{}{} {}", i == 0 ? "" : " ", component.name,
-          quantity_text(estimate.value[i], estimate.lineage.standard_deviation(i), component.unit));
-    }
+/// Writes the features of every tick.
+class FeatureWriter final : public Observer {
+ public:
+  explicit FeatureWriter(FeatureFile& file) : file_(file) {}
+  bool wants_verdicts(const TickView&) override { return file_.has_verdicts(); }
+  void observe(const TickView& tick) override { file_.add(tick); }
+
+ private:
+  FeatureFile& file_;
+};
+
+/// Keeps the picture of the last tick that had something to draw.
+class PictureTaker final : public Observer {
+ public:
+  explicit PictureTaker(const System& system) : system_(system) {}
+  void observe(const TickView& tick) override {
+    if (auto drawn = picture_of(system_, seconds(tick.time()))) picture_ = std::move(drawn);
   }
-  if (verdict != Verdict::linear_ok)
-    text += fmt::format("  {} {}", verdict == Verdict::invalid ? '!' : '~', verdict_name(verdict));
-  return text;
-}
+  const std::optional<Picture>& picture() const { return picture_; }
 
-/// The elements of an output that is a set, below its line.
-void print_elements(const System& system, std::size_t node, const std::string& indent) {
-  const NodeState& state = system.node(node);
-  if (state.outcome.has_output() && !state.output().estimate.type->element.empty())
-    fmt::print("{}", elements_text(state.output().elements, indent));
-}
-
-/// "22 of 24 outputs (3 second_order)".
-std::string output_counts_text(const System& system, const std::vector<VerdictReport>& verdicts) {
-  const std::vector<std::size_t>& outputs = system.plan().outputs;
-  std::size_t given = 0;
-  VerdictCounts counts = {};
-  for (std::size_t o = 0; o < outputs.size(); ++o) {
-    if (!system.node(outputs[o]).outcome.has_output()) continue;
-    ++given;
-    ++counts[static_cast<std::size_t>(verdicts[o].verdict)];
-  }
-  const std::string not_linear = verdict_counts_text(counts);
-  return fmt::format("{} of {} outputs{}", given, outputs.size(),
-                     not_linear.empty() ? "" : fmt::format(" ({})", not_linear));
-}
-
-void print_tick(const System& system, double time, const std::vector<VerdictReport>& verdicts) {
-  const Plan& plan = system.plan();
-  const std::string when = fmt::format("{:>6} {:>9.3f} s", system.ticks() - 1, time);
-  if (plan.outputs.size() == 1) {
-    fmt::print("{}  {}\n", when, output_text(system, plan.outputs[0], verdicts[0].verdict));
-    print_elements(system, plan.outputs[0], std::string(20, ' '));
-    return;
-  }
-  if (plan.outputs.size() > most_outputs_shown) {
-    fmt::print("{}  {}\n", when, output_counts_text(system, verdicts));
-    return;
-  }
-  fmt::print("{}\n", when);
-  for (std::size_t o = 0; o < plan.outputs.size(); ++o) {
-    fmt::print("         {:<20} {}\n", plan.nodes[plan.outputs[o]].name,
-               output_text(system, plan.outputs[o], verdicts[o].verdict));
-    print_elements(system, plan.outputs[o], std::string(30, ' '));
-  }
-}
-
-void print_commands(const Runner& runner, double time) {
-  for (const GivenCommand& given : runner.commander().given())
-    fmt::print("{:>16.3f} s  {}\n", time, given_command_text(given, runner.system().plan()));
-}
-
-void observe_outputs(const System& system, const std::vector<VerdictReport>& verdicts,
-                     std::vector<OutputSummary>& summaries) {
-  for (std::size_t o = 0; o < summaries.size(); ++o) {
-    const NodeState& state = system.node(system.plan().outputs[o]);
-    if (!state.fresh) continue;
-    ++summaries[o].outputs;
-    ++summaries[o].verdicts[static_cast<std::size_t>(verdicts[o].verdict)];
-    summaries[o].variance_sum.resize(state.output().estimate.dimension(), 0.0);
-    for (std::size_t i = 0; i < summaries[o].variance_sum.size(); ++i)
-      summaries[o].variance_sum[i] += state.output().estimate.lineage.variance(i);
-    if (!state.output().estimate.type->element.empty())
-      summaries[o].elements.add(state.output().elements);
-  }
-}
-
-/// Faults by kind; the end of the data is how runs end, not a fault to count.
-std::string fault_counts_text(const OutcomeCounts& counts) {
-  std::string text;
-  for (std::size_t kind = 0; kind < OutcomeCounts::fault_kinds; ++kind)
-    if (counts.faults_by_kind[kind] != 0 && static_cast<FaultKind>(kind) != FaultKind::end_of_data)
-      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", counts.faults_by_kind[kind],
-                          fault_name(static_cast<FaultKind>(kind)));
-  if (counts.pending != 0)
-    text += fmt::format("{}{} pending", text.empty() ? "" : ", ", counts.pending);
-  return text.empty() ? "-" : text;
-}
-
-/// "x 1.2 mm, phi 0.3 deg": root mean squares; of samples and sets, what is exact is left out.
-std::string stated_text(const OutputSummary& summary, const PayloadDescriptor& payload) {
-  std::string stated;
-  for (std::size_t i = 0; i < summary.variance_sum.size(); ++i) {
-    if (has_parts(payload) && summary.variance_sum[i] <= 0) continue;
-    const Component& component = payload.components[i];
-    stated += fmt::format(
-        "{}{} {}", stated.empty() ? "" : ", ", component.name,
-        quantity_text(std::sqrt(summary.variance_sum[i] / static_cast<double>(summary.outputs)),
-                      component.unit));
-  }
-  const std::string not_linear = verdict_counts_text(summary.verdicts);
-  if (!not_linear.empty()) stated += fmt::format("   ({})", not_linear);
-  return stated.empty() && has_parts(payload) ? "-" : stated;
-}
-
-void print_outputs(const Runner& runner, const std::vector<OutputSummary>& summaries) {
-  const Plan& plan = runner.system().plan();
-  const auto row = [](const std::string& name, std::uint64_t count, const std::string& faults,
-                      const std::string& stated) {
-    fmt::print("{:<20} {:>8}  {:<40} {}\n", name, count, faults, stated);
-  };
-  fmt::print("\n{:<20} {:>8}  {:<40} stated std (root mean square)\n", "output", "outputs",
-             "faults");
-  for (std::size_t o = 0; o < summaries.size(); ++o) {
-    const std::size_t node = plan.outputs[o];
-    row(plan.nodes[node].name, summaries[o].outputs, fault_counts_text(runner.outcomes(node)),
-        stated_text(summaries[o], *plan.nodes[node].interface.output));
-    for (const SetSummary::Entry& entry : summaries[o].elements.entries())
-      row("  " + entry.type->name, entry.count, "", summary_text(entry, summaries[o].outputs));
-  }
-}
-
-void print_agreement(const Agreement& agreement, const Plan& plan) {
-  if (agreement.pairs().empty()) return;
-  fmt::print("\n{:<20} {:<20} {:>9} {:>9}   (difference within its 95 % bound)\n", "output",
-             "and output", "compared", "agree");
-  for (const AgreementCount& pair : agreement.pairs())
-    if (pair.compared != 0)
-      fmt::print("{:<20} {:<20} {:>9} {:>9}\n", plan.nodes[plan.outputs[pair.first]].name,
-                 plan.nodes[plan.outputs[pair.second]].name, pair.compared, pair.agreed);
-  const AgreementCount total = agreement.total();
-  if (total.compared != 0)
-    fmt::print(
-        "all: {} of {} agree ({:.1f} %; 95 % would if errors are as stated and both see the "
-        "same)\n",
-        total.agreed, total.compared,
-        100.0 * static_cast<double>(total.agreed) / static_cast<double>(total.compared));
-}
-
-void print_latency(const Runner& runner) {
-  const Plan& plan = runner.system().plan();
-  const auto row = [](const std::string& name, const LatencySummary& s) {
-    const auto text = [](std::uint64_t ns) {
-      return duration_text(static_cast<double>(ns) * 1e-9);
-    };
-    fmt::print("{:<20} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}\n", name, s.count, text(s.p50),
-               text(s.p90), text(s.p99), text(s.p999), text(s.max));
-  };
-  fmt::print("\n{:<20} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "compute time", "ticks", "p50",
-             "p90", "p99", "p99.9", "max");
-  constexpr std::size_t most_rows = 60;
-  for (std::size_t i = 0; i < std::min(plan.nodes.size(), most_rows); ++i)
-    row(plan.nodes[i].name, runner.latency(i).summary());
-  if (plan.nodes.size() > most_rows)
-    fmt::print("... and {} more modules\n", plan.nodes.size() - most_rows);
-  row("end to end", runner.end_to_end().summary());
-}
+ private:
+  const System& system_;
+  std::optional<Picture> picture_;
+};
 
 /// Reads all commands before any module is made, or says all that is wrong with them.
 std::vector<ScheduledCommand> read_commands(const std::vector<std::string>& texts,
@@ -299,10 +114,10 @@ std::vector<ScheduledCommand> read_commands(const std::vector<std::string>& text
 }
 
 /// Commands whose time did not come are no part of the run.
-void report_waiting(const Commander& commander) {
-  if (commander.waiting() != 0)
-    fmt::print(stderr, "ilss: the run ended before the time of {} command{}\n", commander.waiting(),
-               commander.waiting() == 1 ? "" : "s");
+void report_waiting(const Run& run) {
+  if (const std::size_t waiting = run.waiting_commands(); waiting != 0)
+    fmt::print(stderr, "ilss: the run ended before the time of {} command{}\n", waiting,
+               waiting == 1 ? "" : "s");
 }
 
 /// What the modules have to say of their data.
@@ -312,14 +127,30 @@ void report_notes(const System& system) {
       fmt::print(stderr, "ilss: '{}': {}\n", system.plan().nodes[i].name, note);
 }
 
-double read_period(const std::string& text) {
+Duration read_period(const std::string& text) {
   const auto period = parse_quantity(text, "s");
   if (const auto* error = std::get_if<std::string>(&period))
     fail(exit_bad_input, "--period: " + *error);
-  if (!(std::get<double>(period) > 0 && std::get<double>(period) <= longest_period))
+  const Duration duration = duration_of(std::get<double>(period));
+  if (!(duration.count() > 0 && std::get<double>(period) <= longest_period))
     fail(exit_bad_input,
          fmt::format("--period must be above 0 and at most {:.0f} s", longest_period));
-  return std::get<double>(period);
+  return duration;
+}
+
+Pacing read_pacing(const std::string& time) {
+  if (time == "log") return Pacing::data;
+  return time == "real" ? Pacing::real : Pacing::simulated;
+}
+
+/// Which ticks are judged. By default observers say so; but verdicts between its ticks would be in
+/// what a profile measures, since they leave the processor's caches to others.
+std::optional<std::int64_t> read_verdict_rate(const Arguments& arguments) {
+  if (arguments.verdict.empty())
+    return arguments.profile.empty() ? std::nullopt : std::optional<std::int64_t>(0);
+  if (arguments.verdict == "every") return 1;
+  if (arguments.verdict == "off") return 0;
+  return std::stoll(arguments.verdict);
 }
 
 void check_picture_scale(double scale) {
@@ -337,6 +168,18 @@ void check_file(const std::string& option, const std::string& path, const std::s
     fail(exit_bad_input,
          fmt::format("{}: cannot write '{}': {}", option, path, std::strerror(errno)));
   if (is_new) std::filesystem::remove(path, ignored);
+}
+
+/// Accepts `every`, `off`, or one in how many.
+OptionCheck verdict_rate() {
+  return [](const std::string& text) -> std::string {
+    std::int64_t ticks = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ticks);
+    if (text == "every" || text == "off" ||
+        (error == std::errc{} && end == text.data() + text.size() && ticks > 0))
+      return "";
+    return fmt::format("'{}' is neither every, nor off, nor a number of ticks above 0", text);
+  };
 }
 
 OptionCheck file_name() {
@@ -372,71 +215,66 @@ std::string ticks_text(std::int64_t ticks) {
   return fmt::format("{} tick{}", ticks, ticks == 1 ? "" : "s");
 }
 
+/// What there is to say of a run's end besides its summary.
+void report_end(const Run& run, const Arguments& arguments) {
+  const Ending& ending = *run.ending();
+  if (ending.reason == RunEnd::device_lost)
+    fmt::print(stderr, "ilss: the run cannot go on: '{}': {}\n", ending.module->name,
+               ending.fault.message);
+  else if (ending.reason == RunEnd::interrupted)
+    fmt::print(stderr, "ilss: interrupted after {}\n", ticks_text(run.ticks()));
+  else if (ending.reason == RunEnd::most_ticks && !arguments.ticks)
+    fmt::print(stderr,
+               "ilss: stopped after {}; --ticks N goes on, --ticks 0 to the end of the data\n",
+               ticks_text(run.ticks()));
+  if (ending.reason != RunEnd::device_lost) report_waiting(run);
+  report_notes(run.runner().system());
+}
+
+RunOptions read_options(const Arguments& arguments, const Plan& plan) {
+  return {.pacing = read_pacing(arguments.time),
+          .period = read_period(arguments.period),
+          .most_ticks = arguments.ticks.value_or(default_ticks),
+          .seed = arguments.seed,
+          .threads = arguments.threads,
+          .judge_every = read_verdict_rate(arguments),
+          .commands = read_commands(arguments.commands, plan),
+          .interrupted = &interrupted};
+}
+
 int run(const Arguments& arguments, Session& session) {
   session.load_modules();
-  const double period = read_period(arguments.period);
   check_picture_scale(arguments.picture_scale);
-  const std::int64_t most_ticks = arguments.ticks.value_or(default_ticks);
   const Plan plan = session.read_graph(arguments.graph, arguments.sets);
-  const std::vector<ScheduledCommand> commands = read_commands(arguments.commands, plan);
+  RunOptions options = read_options(arguments, plan);
   if (!arguments.profile.empty()) check_file("--profile", arguments.profile, arguments.graph);
   if (!arguments.picture.empty()) check_file("--picture", arguments.picture, arguments.graph);
   std::optional<FeatureFile> features;
+  std::optional<FeatureWriter> feature_writer;
   if (!arguments.features.empty()) {
     check_file("--features", arguments.features, arguments.graph);
-    features.emplace(arguments.features, plan);
+    feature_writer.emplace(features.emplace(arguments.features, plan));
   }
-  Runner runner(plan, arguments.seed);
-  for (const ScheduledCommand& command : commands) runner.schedule(command);
-  Agreement agreement(plan);
-  std::vector<OutputSummary> summaries(plan.outputs.size());
+
+  Run run(plan, std::move(options));
+  RunSummary summary(plan, arguments.quiet);
+  TickPrinter printer(arguments.json);
+  PictureTaker pictures(run.runner().system());
+  run.add(summary);
+  if (feature_writer) run.add(*feature_writer);
+  if (!arguments.picture.empty()) run.add(pictures);
+  if (!arguments.quiet) run.add(printer);
+  Diagnostics diagnostics;
+  if (!run.open(diagnostics)) report_and_exit(diagnostics);
   end_run_at_interrupt();
-  bool ended = false;
-  std::optional<Picture> picture;
-  std::int64_t tick = 0;
-  for (; (most_ticks == 0 || tick < most_ticks) && interrupted == 0; ++tick) {
-    const double time = static_cast<double>(tick) * period;
-    runner.step(time_at(time));
-    if (!arguments.json && !arguments.quiet) print_commands(runner, time);
-    ended = find_fault(runner.system(), FaultKind::end_of_data).has_value();
-    if (ended) break;
-    const std::vector<VerdictReport> verdicts = judge(runner.system());
-    observe_outputs(runner.system(), verdicts, summaries);
-    agreement.observe(runner.system());
-    if (features) features->add(runner.system(), time, verdicts);
-    if (!arguments.picture.empty())
-      if (auto drawn = picture_of(runner.system(), time)) picture = std::move(drawn);
-    if (arguments.json)
-      fmt::print("{}\n", json_text(tick_json(runner, time, verdicts), true));
-    else if (!arguments.quiet)
-      print_tick(runner.system(), time, verdicts);
-    if (const auto lost = find_fault(runner.system(), FaultKind::device_lost)) {
-      const NodeState& state = runner.system().node(*lost);
-      fmt::print(stderr, "ilss: the run cannot go on: '{}': {}\n",
-                 plan.nodes[state.origin.value_or(*lost)].name, state.outcome.fault().message);
-      report_notes(runner.system());
-      return exit_failed;
-    }
-  }
-  if (interrupted != 0)
-    fmt::print(stderr, "ilss: interrupted after {}\n", ticks_text(tick));
-  else if (!ended && !arguments.ticks)
-    fmt::print(stderr,
-               "ilss: stopped after {}; --ticks N goes on, --ticks 0 to the end of the data\n",
-               ticks_text(tick));
-  report_waiting(runner.commander());
-  report_notes(runner.system());
-  if (!arguments.json) {
-    fmt::print("\n{}{}\n", ticks_text(tick), ended ? ", to the end of the data" : "");
-    if (const std::uint64_t refused = runner.commander().refused(); refused != 0)
-      fmt::print("commands refused: {}\n", refused);
-    print_outputs(runner, summaries);
-    print_agreement(agreement, plan);
-    print_latency(runner);
-  }
+  const Ending& ending = run.finish();
+
+  report_end(run, arguments);
+  if (ending.reason == RunEnd::device_lost) return exit_failed;
+  if (!arguments.json) fmt::print("{}", summary_text(run, summary));
   if (features) features->commit();
-  if (!arguments.profile.empty()) write_profile_file(arguments.profile, runner);
-  return arguments.picture.empty() ? exit_fine : write_picture_file(arguments, picture);
+  if (!arguments.profile.empty()) write_profile_file(arguments.profile, run.runner());
+  return arguments.picture.empty() ? exit_fine : write_picture_file(arguments, pictures.picture());
 }
 
 }  // namespace
@@ -453,10 +291,26 @@ void add_run(Verb command, Session& session) {
   verb.add_option("--ticks", arguments->ticks,
                   "At most so many ticks; 0: to the end of the data (default 1000)")
       .check(whole_number(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
-  verb.add_option("--period", arguments->period, "Time from tick to tick").show_default();
+  verb.add_option("--time", arguments->time,
+                  "Where ticks come from: a period in simulated time, the real clock, or the times "
+                  "at which the data of a log were acquired")
+      .one_of({"period", "real", "log"})
+      .show_default();
+  verb.add_option("--period", arguments->period,
+                  "Time from tick to tick, but where they come from a log")
+      .show_default();
   verb.add_option("--seed", arguments->seed, "Seed of all random numbers")
       .check(whole_number(std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max()))
       .show_default();
+  verb.add_option("--threads", arguments->threads,
+                  "Evaluate modules that do not depend on each other side by side")
+      .check(whole_number(1U, most_threads))
+      .show_default();
+  verb.add_option("--verdict", arguments->verdict,
+                  "Judge the outputs of every tick, of one in N, or of none (default: of those "
+                  "printed, with --quiet of ever fewer, with --profile of none)")
+      .type_name("every|N|off")
+      .check(verdict_rate());
   verb.add_option("--profile", arguments->profile, "Write the modules' measured times here")
       .type_name("FILE")
       .check(file_name());

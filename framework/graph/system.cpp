@@ -308,10 +308,12 @@ bool System::awaits_data(std::size_t i) {
 std::optional<Time> System::next_data_time() {
   std::optional<Time> earliest;
   if (!is_open_) open();
-  for (NodeState& state : nodes_) {
-    if (!state.has_data_clock_) continue;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    if (!nodes_[i].has_data_clock_) continue;
     (void)guarded([&]() -> Outcome<> {
-      const std::optional<Time> next = state.module->next_time();
+      const std::optional<Time> next = nodes_[i].module->next_time();
+      // What no selector asked for when it was its turn would be next for ever.
+      if (!regions_.is_always(i) && tick_ > 0 && next && *next <= time_) return {};
       if (next && (!earliest || *next < *earliest)) earliest = next;
       return {};
     });

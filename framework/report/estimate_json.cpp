@@ -35,15 +35,33 @@ Json samples_json(const Samples& samples, const SamplesDescriptor& declared) {
   return {{"shape", shape}, {"columns", std::move(columns)}};
 }
 
+/// What was found on an estimate's first-order error.
+void add_verdict(const Estimate& estimate, const VerdictReport* verdict, Json& json) {
+  json["verdict"] = nullptr;
+  if (verdict == nullptr) return;
+  json["verdict"] = verdict_name(verdict->verdict);
+  if (!verdict->reason.empty()) json["verdict_reason"] = verdict->reason;
+  if (verdict->bias.size() != estimate.dimension()) return;
+  Json mean = Json::array();
+  Json standard_deviation = Json::array();
+  for (std::size_t i = 0; i < estimate.dimension(); ++i) {
+    mean.push_back(estimate.value[i] + verdict->bias[i]);
+    standard_deviation.push_back(corrected_deviation(estimate, *verdict, i));
+  }
+  json["second_order"] = {{"mean", std::move(mean)}, {"std", std::move(standard_deviation)}};
+}
+
 Json one_output_json(const Output& output, const SourceOwners& owners,
-                     const VerdictReport& verdict) {
+                     const VerdictReport* verdict) {
   Json json = estimate_json(output.estimate, owners, verdict);
   if (output.estimate.type->samples && !output.samples.shape.empty())
     json["samples"] = samples_json(output.samples, *output.estimate.type->samples);
   if (!output.estimate.type->element.empty()) {
+    VerdictReport of_set;
+    if (verdict != nullptr) of_set.verdict = verdict->verdict;
     Json features = Json::array();
     for (const Estimate& element : output.elements)
-      features.push_back(estimate_json(element, owners, {.verdict = verdict.verdict}));
+      features.push_back(estimate_json(element, owners, verdict == nullptr ? nullptr : &of_set));
     json["features"] = std::move(features);
   }
   return json;
@@ -56,7 +74,7 @@ std::string json_text(const Json& json, bool on_one_line) {
 }
 
 Json estimate_json(const Estimate& estimate, const SourceOwners& owners,
-                   const VerdictReport& verdict) {
+                   const VerdictReport* verdict) {
   Json json;
   json["type"] = estimate.type->name;
   json["frame"] = estimate.frame;
@@ -88,17 +106,7 @@ Json estimate_json(const Estimate& estimate, const SourceOwners& owners,
     if (const double degrees = effective_degrees_of_freedom(parts, owners, i);
         std::isfinite(degrees))
       json["components"][i]["degrees_of_freedom"] = degrees;
-  json["verdict"] = verdict_name(verdict.verdict);
-  if (!verdict.reason.empty()) json["verdict_reason"] = verdict.reason;
-  if (verdict.bias.size() == estimate.dimension()) {
-    Json mean = Json::array();
-    Json standard_deviation = Json::array();
-    for (std::size_t i = 0; i < estimate.dimension(); ++i) {
-      mean.push_back(estimate.value[i] + verdict.bias[i]);
-      standard_deviation.push_back(corrected_deviation(estimate, verdict, i));
-    }
-    json["second_order"] = {{"mean", std::move(mean)}, {"std", std::move(standard_deviation)}};
-  }
+  add_verdict(estimate, verdict, json);
   return json;
 }
 
@@ -122,26 +130,24 @@ Json fault_json(const Fault& fault, const std::string& module) {
   return {{"kind", fault_name(fault.kind)}, {"message", fault.message}, {"module", module}};
 }
 
-Json outputs_json(const System& system, const SourceOwners& owners,
-                  const std::vector<VerdictReport>& verdicts) {
-  const std::vector<std::size_t>& nodes = system.plan().outputs;
+Json outputs_json(const TickView& tick) {
   const auto one = [&](std::size_t o) -> Json {
-    const NodeState& state = system.node(nodes[o]);
-    if (!state.outcome.has_output()) return nullptr;
-    return one_output_json(state.output(), owners, verdicts[o]);
+    const CharacteristicOutput output = tick.output(o);
+    if (output.output == nullptr) return nullptr;
+    return one_output_json(*output.output, tick.plan().owners, output.verdict);
   };
-  if (nodes.size() == 1) return one(0);
+  if (tick.outputs() == 1) return one(0);
   Json json;
   Json outputs = Json::array();
   Json cross = Json::array();
-  for (std::size_t a = 0; a < nodes.size(); ++a) {
+  for (std::size_t a = 0; a < tick.outputs(); ++a) {
     outputs.push_back(one(a));
-    for (std::size_t b = a + 1; b < nodes.size(); ++b) {
-      const NodeState& first = system.node(nodes[a]);
-      const NodeState& second = system.node(nodes[b]);
-      if (!first.outcome.has_output() || !second.outcome.has_output()) continue;
+    const Output* first = tick.output(a).output;
+    for (std::size_t b = a + 1; b < tick.outputs() && first != nullptr; ++b) {
+      const Output* second = tick.output(b).output;
+      if (second == nullptr) continue;
       const Eigen::MatrixXd covariance =
-          cross_covariance(first.output().estimate.lineage, second.output().estimate.lineage);
+          cross_covariance(first->estimate.lineage, second->estimate.lineage);
       if (covariance.isZero(0)) continue;
       cross.push_back({{"outputs", {a, b}}, {"covariance", matrix_json(covariance)}});
     }
@@ -165,22 +171,6 @@ Json time_json(const TimePrediction& time, const Plan& plan) {
                {"critical_path", std::move(path)},
                {"unknown", std::move(unknown)}};
   return json;
-}
-
-std::string outcome_name(const Outcome<>& outcome) {
-  if (outcome.has_output()) return "output";
-  return outcome.is_pending() ? "pending" : "fault";
-}
-
-SystemOutcome system_outcome(const System& system) {
-  const auto& outputs = system.plan().outputs;
-  SystemOutcome result{&system.node(outputs.front()).outcome, outputs.front()};
-  for (const std::size_t node : outputs) {
-    const Outcome<>& outcome = system.node(node).outcome;
-    if (outcome.is_fault()) return {&outcome, node};
-    if (outcome.is_pending()) result = {&outcome, node};
-  }
-  return result;
 }
 
 }  // namespace ilss

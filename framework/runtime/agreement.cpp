@@ -11,20 +11,25 @@ Agreement::Agreement(const Plan& plan) {
     const PlanNode& a = plan.nodes[plan.outputs[i]];
     const PlanNode& b = plan.nodes[plan.outputs[next]];
     if (a.interface.output->name == b.interface.output->name && a.frame == b.frame &&
-        a.interface.output->dimension() > 0)
+        a.interface.output->dimension() > 0) {
       pairs_.push_back({i, next});
+      while (bounds_.size() <= a.interface.output->dimension())
+        bounds_.push_back(bounds_.empty() ? 0
+                                          : chi_square_quantile(static_cast<double>(bounds_.size()),
+                                                                probability));
+    }
   }
 }
 
-void Agreement::observe(const System& system) {
+void Agreement::observe(const TickView& tick) {
   for (AgreementCount& pair : pairs_) {
-    const NodeState& a = system.node(system.plan().outputs[pair.first]);
-    const NodeState& b = system.node(system.plan().outputs[pair.second]);
-    if (!a.fresh || !b.fresh) continue;
-    const NormalizedError innovation = nis(a.output().estimate, b.output().estimate);
+    const Output* a = tick.output(pair.first).output;
+    const Output* b = tick.output(pair.second).output;
+    if (a == nullptr || b == nullptr) continue;
+    const NormalizedError innovation = nis(a->estimate, b->estimate);
     if (innovation.rank == 0) continue;
     ++pair.compared;
-    if (innovation.value <= chi_square_quantile(innovation.rank, probability)) ++pair.agreed;
+    if (innovation.value <= bounds_[static_cast<std::size_t>(innovation.rank)]) ++pair.agreed;
   }
 }
 

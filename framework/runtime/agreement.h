@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "framework/graph/system.h"
+#include "framework/runtime/characteristic_output.h"
 
 namespace ilss {
 
@@ -18,14 +18,14 @@ struct AgreementCount {
 
 /// Compares neighbouring outputs of one payload in one frame (the last with the first, too, where
 /// there are more than two) by their normalised innovation squared; errors that they share cancel.
-class Agreement {
+class Agreement final : public Observer {
  public:
   static constexpr double probability = 0.95;
 
   explicit Agreement(const Plan& plan);
 
-  /// Compares the outputs of the tick just evaluated.
-  void observe(const System& system);
+  /// Compares the tick's outputs.
+  void observe(const TickView& tick) override;
 
   const std::vector<AgreementCount>& pairs() const { return pairs_; }
   /// All pairs together.
@@ -33,6 +33,7 @@ class Agreement {
 
  private:
   std::vector<AgreementCount> pairs_;
+  std::vector<double> bounds_;  ///< of the normalised innovation squared, by its rank
 };
 
 }  // namespace ilss

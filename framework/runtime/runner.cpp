@@ -29,41 +29,57 @@ class ClockReader final : public NodeObserver {
 
 }  // namespace
 
-Runner::Runner(const Plan& plan, std::uint64_t seed, Folding folding)
-    : system_(plan, seed, folding),
+Runner::Runner(const Plan& plan, std::uint64_t seed, SystemOptions options, unsigned threads)
+    : system_(plan, seed, std::move(options)),
       commander_(plan),
+      parallel_(threads > 1 ? std::make_unique<ParallelEvaluation>(system_, threads) : nullptr),
       clock_(CycleClock::instance()),
       counts_(plan.nodes.size()),
-      compute_ns_(plan.nodes.size()),
       latencies_(plan.nodes.size()),
-      outcomes_(plan.nodes.size()) {}
+      rare_outcomes_(plan.nodes.size()) {}
 
 void Runner::step(Time time) {
   commander_.give(system_, time);
+  has_fault_ = false;
+  evaluate(time);
+  for (std::size_t i = 0; i < system_.size(); ++i) record(i);
+  end_to_end_.record(tick_ns_);
+}
+
+void Runner::evaluate(Time time) {
+  if (parallel_ != nullptr) {
+    const std::uint64_t begin = clock_.now();
+    parallel_->evaluate(time, counts_);
+    tick_ns_ = clock_.nanoseconds(begin, clock_.now());
+    return;
+  }
   if (system_.regions().always().size() != counts_.size())
     std::fill(counts_.begin(), counts_.end(), 0);  // not all nodes have their turn
   ClockReader reader(clock_, counts_.data());
   system_.evaluate(time, reader);
-  for (std::size_t i = 0; i < system_.size(); ++i) record(i);
   tick_ns_ = reader.nanoseconds();
-  end_to_end_.record(tick_ns_);
 }
 
+/// Mostly there is an output, whose time is all there is to keep.
 void Runner::record(std::size_t node) {
   const NodeState& state = system_.node(node);
-  OutcomeCounts& counts = outcomes_[node];
-  compute_ns_[node] = clock_.nanoseconds(0, counts_[node]);
-  if (state.outcome.is_pending()) {
-    ++counts.pending;
-    return;
-  }
-  if (state.outcome.has_output()) {
-    ++counts.outputs;
-  } else {
+  if (!state.outcome.has_output()) [[unlikely]] {
+    OutcomeCounts& counts = rare_outcomes_[node];
+    if (state.outcome.is_pending()) {
+      ++counts.pending;
+      return;
+    }
+    has_fault_ = true;
     ++counts.faults_by_kind[static_cast<std::size_t>(state.outcome.fault().kind)];
     if (state.origin != node) return;
   }
-  latencies_[node].record(compute_ns_[node]);
+  latencies_[node].record(compute_ns(node));
+}
+
+OutcomeCounts Runner::outcomes(std::size_t node) const {
+  OutcomeCounts counts = rare_outcomes_[node];
+  counts.outputs = static_cast<std::uint64_t>(system_.ticks()) - counts.pending - counts.faults();
+  return counts;
 }
 
 Profile Runner::profile() const {

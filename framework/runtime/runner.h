@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "framework/graph/profile.h"
@@ -10,6 +12,7 @@
 #include "framework/runtime/commander.h"
 #include "framework/runtime/cycle_clock.h"
 #include "framework/runtime/latency_histogram.h"
+#include "framework/runtime/parallel_evaluation.h"
 
 namespace ilss {
 
@@ -31,14 +34,16 @@ struct OutcomeCounts {
   }
 };
 
-/// Runs a plan tick by tick in the caller's thread, and measures it. The clock is read once at a
-/// tick's start and once after each module, so a module's time holds what it takes to get at its
-/// inputs, and all modules' times add up to the tick's. Commands are given before the tick starts
-/// and are not in its time. No memory is allocated from tick to tick.
+/// Runs a plan tick by tick in the caller's thread, or in several, and measures it. In one thread
+/// the clock is read once at a tick's start and once after each module, so a module's time holds
+/// what it takes to get at its inputs, and all modules' times add up to the tick's. Commands are
+/// given before the tick starts and are not in its time. No memory is allocated from tick to tick.
 class Runner {
  public:
   /// The plan must outlive the runner. Random numbers follow from `seed`, as System says.
-  explicit Runner(const Plan& plan, std::uint64_t seed = 0, Folding folding = Folding::per_owner);
+  /// @pre threads > 0
+  explicit Runner(const Plan& plan, std::uint64_t seed = 0, SystemOptions options = {},
+                  unsigned threads = 1);
 
   /// Gives the modules the commands that are due, as Commander says, then evaluates the next tick
   /// at `time` (must not run backwards).
@@ -52,17 +57,21 @@ class Runner {
   System& system() { return system_; }
   const System& system() const { return system_; }
 
-  /// What a module took in the last tick (ns), also where it had nothing to do.
-  std::uint64_t compute_ns(std::size_t node) const { return compute_ns_[node]; }
+  /// What the clock counted for each module in the last tick, also where it had nothing to do.
+  std::span<const std::uint64_t> counts() const { return counts_; }
+  /// The same (ns).
+  std::uint64_t compute_ns(std::size_t node) const { return clock_.nanoseconds(0, counts_[node]); }
   /// What the whole last tick took (ns).
   std::uint64_t compute_ns() const { return tick_ns_; }
+  /// Whether any module of the last tick has a fault.
+  bool has_fault() const { return has_fault_; }
 
   /// A module's times over the ticks in which it gave an output or a fault of its own; those in
   /// which it was pending, or its inputs were at fault, say nothing of it.
   const LatencyHistogram& latency(std::size_t node) const { return latencies_[node]; }
   /// The times of whole ticks.
   const LatencyHistogram& end_to_end() const { return end_to_end_; }
-  const OutcomeCounts& outcomes(std::size_t node) const { return outcomes_[node]; }
+  OutcomeCounts outcomes(std::size_t node) const;
 
   /// The modules' measured times: typical is the median, worst what one tick in 1,000 exceeds (the
   /// maximum of fewer ticks), so that in a long run a single interruption by the operating system
@@ -70,17 +79,19 @@ class Runner {
   Profile profile() const;
 
  private:
+  void evaluate(Time time);
   void record(std::size_t node);
 
   System system_;
   Commander commander_;
+  std::unique_ptr<ParallelEvaluation> parallel_;  ///< null in one thread
   const CycleClock& clock_;
   std::vector<std::uint64_t> counts_;  ///< of the clock, a node
-  std::vector<std::uint64_t> compute_ns_;
   std::vector<LatencyHistogram> latencies_;
-  std::vector<OutcomeCounts> outcomes_;
+  std::vector<OutcomeCounts> rare_outcomes_;  ///< all but outputs, which are what is left
   LatencyHistogram end_to_end_;
   std::uint64_t tick_ns_ = 0;
+  bool has_fault_ = false;
 };
 
 }  // namespace ilss

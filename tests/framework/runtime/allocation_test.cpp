@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/estimate/units.h"
-#include "framework/runtime/runner.h"
+#include "framework/runtime/run.h"
 #include "tests/allocation_count.h"
 #include "tests/framework/runtime/test_modules.h"
 
@@ -14,14 +14,13 @@ using test::plan_of;
 /// Allocations in 1,000 ticks after the first 100.
 std::size_t allocations_of(const std::string& text, Folding folding) {
   const Plan plan = plan_of(text);
-  Runner runner(plan, 1, folding);
-  int tick = 0;
-  for (; tick < 100; ++tick) runner.step(time_at(0.01 * tick));
+  ilss::Run run(plan, {.period = duration_of(0.01), .folding = folding});
+  while (run.ticks() < 100) run.step();
   const std::size_t before = allocation_count;
-  for (; tick < 1100; ++tick) runner.step(time_at(0.01 * tick));
+  while (run.ticks() < 1100) run.step();
   const std::size_t counted = allocation_count - before;
-  for (std::size_t i = 0; i < runner.system().size(); ++i)
-    EXPECT_GT(runner.outcomes(i).outputs, 500U) << plan.nodes[i].name;
+  for (std::size_t i = 0; i < plan.nodes.size(); ++i)
+    EXPECT_GT(run.runner().outcomes(i).outputs, 500U) << plan.nodes[i].name;
   return counted;
 }
 

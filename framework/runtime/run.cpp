@@ -1,0 +1,164 @@
+#include "framework/runtime/run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+namespace ilss {
+
+namespace {
+
+/// A moment and what comes after it, but no later than the last moment there is.
+Time later(Time time, Duration wait) {
+  Duration::rep sum = 0;
+  return __builtin_add_overflow(time.time_since_epoch().count(), wait.count(), &sum)
+             ? Time::max()
+             : Time(Duration(sum));
+}
+
+Time simulated_time(std::int64_t tick, Duration period) {
+  Duration::rep product = 0;
+  return __builtin_mul_overflow(tick, period.count(), &product) ? Time::max()
+                                                                : Time(Duration(product));
+}
+
+}  // namespace
+
+std::string_view run_end_name(RunEnd end) {
+  switch (end) {
+    case RunEnd::end_of_data:
+      return "end_of_data";
+    case RunEnd::device_lost:
+      return "device_lost";
+    case RunEnd::most_ticks:
+      return "most_ticks";
+    case RunEnd::interrupted:
+      return "interrupted";
+  }
+  return "";
+}
+
+Run::Run(const Plan& plan, RunOptions options)
+    : plan_(plan),
+      options_(std::move(options)),
+      runner_(plan, options_.seed,
+              {.folding = options_.folding,
+               .stand_ins = std::move(options_.stand_ins),
+               .follow_data = options_.pacing == Pacing::data},
+              options_.threads) {}
+
+bool Run::open(Diagnostics& diagnostics) {
+  const std::size_t known = diagnostics.size();
+  for (const OpenFault& open : system().open())
+    diagnostics.add(plan_.nodes[open.node].position,
+                    fmt::format("'{}': {}", plan_.nodes[open.node].name, open.fault.message));
+  if (diagnostics.size() == known && options_.pacing == Pacing::data && !system().next_data_time())
+    diagnostics.add({}, fmt::format("'{}' cannot follow its data: no module has data with times of "
+                                    "their own",
+                                    plan_.name));
+  return diagnostics.size() == known;
+}
+
+void Run::schedule(ScheduledCommand command) {
+  if (first_) {
+    command.time = later(*first_, command.time.time_since_epoch());
+    runner_.schedule(std::move(command));
+  } else {
+    options_.commands.push_back(std::move(command));
+  }
+}
+
+/// The first tick has its time: now it is known when commands are due.
+void Run::start_at(Time time) {
+  first_ = time;
+  began_ = std::chrono::steady_clock::now();
+  for (ScheduledCommand& command : options_.commands) schedule(std::move(command));
+  options_.commands.clear();
+}
+
+bool Run::step() {
+  if (ending_) return false;
+  if (options_.most_ticks != 0 && ticks_ == options_.most_ticks) return end(RunEnd::most_ticks);
+  if (is_interrupted()) return end(RunEnd::interrupted);
+  const std::optional<Time> time = next_time();
+  if (!time) return end(is_interrupted() ? RunEnd::interrupted : RunEnd::end_of_data);
+  if (!first_) start_at(*time);
+  runner_.step(*time);
+  const TickView::Beside beside{
+      .counts = runner_.counts(),
+      .compute_time = Duration(static_cast<Duration::rep>(runner_.compute_ns())),
+      .commands = runner_.commander().given()};
+  view_.emplace(system(), beside);
+  if (ends_with(FaultKind::end_of_data, RunEnd::end_of_data)) return false;
+  ++ticks_;
+  if (wants_verdicts()) {
+    verdicts_ = judge(system());
+    ++judged_ticks_;
+    view_.emplace(system(), TickView::Beside{beside.counts, beside.compute_time, &verdicts_,
+                                             beside.commands});
+  }
+  for (Observer* observer : observers_) observer->observe(*view_);
+  ends_with(FaultKind::device_lost, RunEnd::device_lost);
+  return true;
+}
+
+const Ending& Run::finish() {
+  while (step()) {
+  }
+  return *ending_;
+}
+
+std::optional<Time> Run::next_time() {
+  switch (options_.pacing) {
+    case Pacing::simulated:
+      return simulated_time(ticks_, options_.period);
+    case Pacing::real:
+      return next_real_time();
+    case Pacing::data:
+      return next_time_of_data();
+  }
+  return std::nullopt;
+}
+
+/// Waits for the next period to begin; nothing where it is interrupted meanwhile.
+std::optional<Time> Run::next_real_time() {
+  using Clock = std::chrono::steady_clock;
+  if (!began_) return Time{};
+  const std::int64_t now = (Clock::now() - *began_) / options_.period;
+  missed_periods_ += std::max<std::int64_t>(now - period_ - 1, 0);
+  period_ = std::max(now, period_ + 1);
+  const Clock::time_point begins = *began_ + period_ * options_.period;
+  constexpr std::chrono::milliseconds patience(50);
+  while (Clock::now() < begins && !is_interrupted())
+    std::this_thread::sleep_until(std::min(begins, Clock::now() + patience));
+  if (is_interrupted()) return std::nullopt;
+  return Time(std::chrono::duration_cast<Duration>(Clock::now() - *began_));
+}
+
+/// Stamps that run backwards are taken as of the tick before.
+std::optional<Time> Run::next_time_of_data() {
+  const std::optional<Time> next = system().next_data_time();
+  return next && first_ ? std::max(*next, system().time()) : next;
+}
+
+bool Run::wants_verdicts() const {
+  if (options_.judge_every)
+    return *options_.judge_every != 0 && (ticks_ - 1) % *options_.judge_every == 0;
+  return std::any_of(observers_.begin(), observers_.end(),
+                     [&](Observer* observer) { return observer->wants_verdicts(*view_); });
+}
+
+/// Ends the run where a module has such a fault.
+bool Run::ends_with(FaultKind kind, RunEnd reason) {
+  if (!runner_.has_fault()) return false;
+  for (std::size_t i = 0; i < view_->size(); ++i) {
+    const CharacteristicOutput output = (*view_)[i];
+    if (!output.outcome.is_fault() || output.outcome.fault().kind != kind) continue;
+    ending_ = Ending{reason, output.origin, output.outcome.fault()};
+    return true;
+  }
+  return false;
+}
+
+}  // namespace ilss
