@@ -274,16 +274,16 @@ TEST(LepSensor, DoesNotDependOnWhichTickIsAskedFirst) {
     rig.options.readings = readings;
     rig.options.turn_rate = 0.3;
     RunningSensor in_order{rig};
-    std::vector<std::vector<double>> ticks;
+    std::vector<std::vector<std::byte>> ticks;
     for (int tick = 0; tick < 9; ++tick) {
       in_order.next();
-      ticks.push_back(in_order.output.samples.values);
+      ticks.push_back(in_order.output.samples.bytes);
     }
     RunningSensor other{rig};
     for (const std::int64_t tick : {7, 3, 8, 3, 0}) {
       other.tick = tick;
       other.next();
-      EXPECT_EQ(other.output.samples.values, ticks[static_cast<std::size_t>(tick)])
+      EXPECT_EQ(other.output.samples.bytes, ticks[static_cast<std::size_t>(tick)])
           << "tick " << tick << " of " << readings << " readings";
     }
   }
