@@ -36,7 +36,8 @@ template <typename T>
 struct Line {
   T rho, phi;
   static constexpr std::string_view name = "test_line";
-  static constexpr auto fields = Fields{{"rho", "m"}, {"phi", "rad", "", required, true}};
+  static constexpr auto fields =
+      Fields{{"rho", "m"}, {"phi", "rad", "", required, Geometry::circular}};
 };
 
 /// Errors drawn with covariance root rootᵀ, judged under `claimed`.

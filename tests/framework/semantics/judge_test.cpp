@@ -72,7 +72,7 @@ void expect_equal(const VerdictReport& a, const VerdictReport& b) {
 std::size_t evaluations_of(std::size_t width) {
   const Plan plan = wide_plan(width, "value: 1 m, value_std: 1 cm");
   System system(plan, 1);
-  system.expect({});
+  system.expect();
   Tracked::evaluated = 0;
   judge(system);
   return Tracked::evaluated;
@@ -90,7 +90,7 @@ TEST(Judge, CostsInProportionToTheNumberOfBranches) {
 TEST(Judge, AnOutputThatNoErrorReachesCostsNothing) {
   const Plan plan = wide_plan(3, "value: 1 m");
   System system(plan, 1);
-  system.expect({});
+  system.expect();
   Tracked::created = Tracked::evaluated = 0;
   for (const VerdictReport& report : judge(system)) {
     EXPECT_EQ(report.verdict, Verdict::linear_ok);
@@ -107,7 +107,7 @@ TEST(Judge, MakesItsModulesOnce) {
   Tracked::created = 0;
   Judge judge(system);
   for (int tick = 0; tick < 5; ++tick) {
-    system.expect({});
+    system.expect();
     judge.judge();
   }
   EXPECT_EQ(Tracked::created, 3U);
@@ -118,9 +118,9 @@ TEST(Judge, AllocatesNothingOnceWarm) {
   const Plan plan = wide_plan(3, "value: 1 m, value_std: 30 cm");
   System system(plan, 1);
   Judge judge(system);
-  system.expect({});
+  system.expect();
   judge.judge();
-  system.expect({});
+  system.expect();
   const std::size_t before = allocation_count;
   const std::vector<VerdictReport>& reports = judge.judge();
   EXPECT_EQ(allocation_count, before);
@@ -171,7 +171,7 @@ TEST(Judge, OverManyTicksSaysWhatAFreshOneSays) {
   System system(plan, 1);
   Judge kept(system);
   for (int tick = 0; tick < 8; ++tick) {
-    system.evaluate(0.1 * tick);
+    system.evaluate(time_at(0.1 * tick));
     const std::vector<VerdictReport> fresh = judge(system);
     const std::vector<VerdictReport>& reports = kept.judge();
     ASSERT_EQ(reports.size(), fresh.size());
@@ -185,7 +185,7 @@ TEST(Judge, OverManyTicksSaysWhatAFreshOneSays) {
 TEST(Judge, AVerdictDoesNotDependOnWhatElseIsJudged) {
   const Plan plan = plan_of_many_kinds(14);
   System system(plan, 1);
-  system.evaluate(0);
+  system.evaluate(time_at(0));
   const std::vector<VerdictReport> together = judge(system);
   for (std::size_t o = 0; o < plan.outputs.size(); ++o) {
     SCOPED_TRACE(testing::Message() << "output " << o);
@@ -196,7 +196,7 @@ TEST(Judge, AVerdictDoesNotDependOnWhatElseIsJudged) {
 TEST(Judge, JudgesNodesThatAreNoOutputs) {
   const Plan plan = plan_of_many_kinds(2);
   System system(plan, 1);
-  system.evaluate(0);
+  system.evaluate(time_at(0));
   EXPECT_EQ(Judge(system, {plan.find("c").value()}).judge().front().verdict, Verdict::linear_ok);
 }
 
@@ -209,8 +209,8 @@ modules:
 network: {serial: [combine: [slow, fast], sum]}
 )");
   System system(plan, 1);
-  system.evaluate(0);
-  system.evaluate(0.1);
+  system.evaluate(time_at(0));
+  system.evaluate(time_at(0.1));
   ASSERT_TRUE(system.node(plan.find("slow").value()).outcome.is_pending());
   ASSERT_TRUE(system.node(plan.outputs[0]).outcome.has_output());
   EXPECT_EQ(judge(system).front().verdict, Verdict::linear_ok);
@@ -219,7 +219,7 @@ network: {serial: [combine: [slow, fast], sum]}
 TEST(Perturbation, RedoesOnlyWhatFollowsFromAChangedError) {
   const Plan plan = wide_plan(4, "value: 1 m, value_std: 1 cm");
   System system(plan, 1);
-  system.expect({});
+  system.expect();
   Perturbation perturbation(system, plan.outputs, {}, Redo::functions);
   ASSERT_EQ(perturbation.sources().size(), 4U);
   std::vector<double> errors(4, 0.0);
