@@ -1,43 +1,128 @@
 #include "framework/estimate/consistency.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <array>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
+#include "framework/estimate/fields.h"
+
 namespace ilss {
 
-NormalizedError normalized_squared_error(const Eigen::VectorXd& error,
-                                         const Eigen::MatrixXd& covariance) {
-  // A NaN anywhere would compare false below and so pass for a perfect estimate.
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  if (!error.allFinite() || !covariance.allFinite())
-    return {infinity, static_cast<int>(error.size()), infinity};
-  // Components may have different units, so the rank is judged on the correlation matrix.
-  const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd inverse_scale =
-      scale.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
-  const Eigen::MatrixXd correlation =
-      inverse_scale.asDiagonal() * covariance * inverse_scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
-  constexpr double relative_rank_tolerance = 1e-10;
-  NormalizedError result{0, 0, 0};
-  for (Eigen::Index i = 0; i < error.size(); ++i)
-    if (scale[i] == 0 && error[i] != 0) result.unexplained = infinity;
-  const Eigen::VectorXd normalized =
-      eigen.eigenvectors().transpose() * inverse_scale.asDiagonal() * error;
-  for (Eigen::Index i = 0; i < error.size(); ++i) {
-    const double eigenvalue = eigen.eigenvalues()[i];
-    if (eigenvalue > relative_rank_tolerance * static_cast<double>(error.size())) {
-      result.value += normalized[i] * normalized[i] / eigenvalue;
-      ++result.rank;
-    } else {
-      result.unexplained = std::max(result.unexplained, std::abs(normalized[i]));
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double relative_rank_tolerance = 1e-10;
+
+/// The part of normalized_squared_error that is a matter of the components that have an error;
+/// `scaled` is the error in their standard deviations, and `dimension` counts all components.
+/// Components may have different units, so the rank is judged on the correlation matrix.
+template <typename Vector, typename Matrix>
+void add_normalized(const Vector& scaled, const Matrix& correlation, Eigen::Index dimension,
+                    NormalizedError& result) {
+  // An eigenvalue is at least the determinant divided by e, since all together are n: where that is
+  // well above the tolerance the rank is full, and Cholesky's factor is enough.
+  constexpr double clearly_regular = 1e-6;
+  const Eigen::LLT<Matrix> cholesky(correlation);
+  if (cholesky.info() == Eigen::Success) {
+    const double root = cholesky.matrixLLT().diagonal().prod();
+    if (root * root > clearly_regular) {
+      const Vector white = cholesky.matrixL().solve(scaled);
+      result.value = white.squaredNorm();
+      result.rank = static_cast<int>(scaled.size());
+      return;
     }
   }
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(correlation);
+  const Vector along = eigen.eigenvectors().transpose() * scaled;
+  for (Eigen::Index i = 0; i < scaled.size(); ++i) {
+    const double eigenvalue = eigen.eigenvalues()[i];
+    if (eigenvalue > relative_rank_tolerance * static_cast<double>(dimension)) {
+      result.value += along[i] * along[i] / eigenvalue;
+      ++result.rank;
+    } else {
+      result.unexplained = std::max(result.unexplained, std::abs(along[i]));
+    }
+  }
+}
+
+/// As normalized_squared_error, with matrices of type Matrix to work with.
+template <typename Matrix>
+NormalizedError normalized(const Eigen::Ref<const Eigen::VectorXd>& error,
+                           const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, Matrix::MaxRowsAtCompileTime, 1>;
+  NormalizedError result{0, 0, 0};
+  Vector scale(error.size());   // of the components that have an error, which come first here, ...
+  Vector scaled(error.size());  // ... and their errors
+  Eigen::Matrix<Eigen::Index, Eigen::Dynamic, 1, 0, Matrix::MaxRowsAtCompileTime, 1> at(
+      error.size());
+  Eigen::Index n = 0;
+  for (Eigen::Index i = 0; i < error.size(); ++i) {
+    if (covariance(i, i) > 0) {
+      scale[n] = std::sqrt(covariance(i, i));
+      scaled[n] = error[i] / scale[n];
+      at[n++] = i;
+    } else if (error[i] != 0) {
+      result.unexplained = infinity;
+    }
+  }
+  if (n == 0) return result;
+  Matrix correlation = Matrix::Identity(n, n);
+  for (Eigen::Index c = 0; c < n; ++c)
+    for (Eigen::Index r = c + 1; r < n; ++r)
+      correlation(r, c) = correlation(c, r) = covariance(at[r], at[c]) / (scale[r] * scale[c]);
+  add_normalized<Vector, Matrix>(scaled.head(n), correlation, error.size(), result);
   return result;
+}
+
+/// As nis, of payloads without rotations in space, on the stack. From the sources of both rather
+/// than as P_a + P_b - P_ab - P_ba: errors that they share cancel exactly there, and leave no
+/// rounding that would pass for variance.
+NormalizedError flat_nis(const Estimate& a, const Estimate& b) {
+  constexpr int most = Fields::capacity;
+  const auto m = static_cast<Eigen::Index>(a.dimension());
+  std::array<double, most> error;
+  difference(*a.type, a.value, b.value, std::span(error).first(a.dimension()));
+  std::array<double, most * most> buffer;
+  Eigen::Map<Eigen::MatrixXd> covariance(buffer.data(), m, m);
+  covariance.setZero();
+  const auto column = [](const Lineage& lineage, std::size_t k) {
+    return lineage.factor().col(static_cast<Eigen::Index>(k));
+  };
+  const std::span<const Source> of_a = a.lineage.sources();
+  const std::span<const Source> of_b = b.lineage.sources();
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most, 1> apart(m);
+  for (std::size_t i = 0, j = 0; i < of_a.size() || j < of_b.size();) {
+    const bool in_a = i < of_a.size() && (j == of_b.size() || of_a[i] <= of_b[j]);
+    const bool in_b = j < of_b.size() && (i == of_a.size() || of_b[j] <= of_a[i]);
+    if (in_a && in_b)
+      apart = column(a.lineage, i) - column(b.lineage, j);
+    else
+      apart = in_a ? column(a.lineage, i) : column(b.lineage, j);
+    i += in_a ? 1 : 0;
+    j += in_b ? 1 : 0;
+    for (Eigen::Index c = 0; c < m; ++c)
+      for (Eigen::Index r = 0; r < m; ++r) covariance(r, c) += apart[r] * apart[c];
+  }
+  return normalized_squared_error(Eigen::Map<const Eigen::VectorXd>(error.data(), m), covariance);
+}
+
+}  // namespace
+
+NormalizedError normalized_squared_error(const Eigen::Ref<const Eigen::VectorXd>& error,
+                                         const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
+  // A NaN anywhere would compare false below and so pass for a perfect estimate.
+  if (!error.allFinite() || !covariance.allFinite())
+    return {infinity, static_cast<int>(error.size()), infinity};
+  constexpr int most = Fields::capacity;
+  if (error.size() <= most)
+    return normalized<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>>(
+        error, covariance);
+  return normalized<Eigen::MatrixXd>(error, covariance);
 }
 
 NormalizedError nees(const Estimate& estimate, std::span<const double> truth) {
@@ -45,8 +130,7 @@ NormalizedError nees(const Estimate& estimate, std::span<const double> truth) {
 }
 
 NormalizedError nis(const Estimate& a, const Estimate& b) {
-  // The lineage of a - b rather than P_a + P_b - P_ab - P_ba: errors that they share cancel exactly
-  // there, and leave no rounding that would pass for variance.
+  if (is_flat(*a.type) && a.dimension() <= Fields::capacity) return flat_nis(a, b);
   const Eigen::VectorXd apart = difference(a, b.value);
   const std::span<const double> components(apart.data(), a.dimension());
   const Eigen::MatrixXd by_a = difference_by_first(*a.type, components);

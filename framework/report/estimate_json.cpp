@@ -1,6 +1,8 @@
 #include "framework/report/estimate_json.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "framework/estimate/budget.h"
 #include "framework/report/estimate_text.h"
@@ -65,6 +67,26 @@ Json one_output_json(const Output& output, const SourceOwners& owners,
     json["features"] = std::move(features);
   }
   return json;
+}
+
+/// The pairs of outputs that hold a common source, in order: only these can be correlated.
+std::vector<std::pair<std::size_t, std::size_t>> related_outputs(const TickView& tick) {
+  std::vector<std::pair<Source, std::size_t>> holders;
+  for (std::size_t o = 0; o < tick.outputs(); ++o)
+    if (const Output* output = tick.output(o).output; output != nullptr)
+      for (const Source& source : output->estimate.lineage.sources())
+        holders.emplace_back(source, o);
+  std::sort(holders.begin(), holders.end());
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t begin = 0, end = 0; begin < holders.size(); begin = end) {
+    while (end < holders.size() && holders[end].first == holders[begin].first) ++end;
+    for (std::size_t a = begin; a < end; ++a)
+      for (std::size_t b = a + 1; b < end; ++b)
+        pairs.emplace_back(holders[a].second, holders[b].second);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
 }
 
 }  // namespace
@@ -140,17 +162,12 @@ Json outputs_json(const TickView& tick) {
   Json json;
   Json outputs = Json::array();
   Json cross = Json::array();
-  for (std::size_t a = 0; a < tick.outputs(); ++a) {
-    outputs.push_back(one(a));
-    const Output* first = tick.output(a).output;
-    for (std::size_t b = a + 1; b < tick.outputs() && first != nullptr; ++b) {
-      const Output* second = tick.output(b).output;
-      if (second == nullptr) continue;
-      const Eigen::MatrixXd covariance =
-          cross_covariance(first->estimate.lineage, second->estimate.lineage);
-      if (covariance.isZero(0)) continue;
-      cross.push_back({{"outputs", {a, b}}, {"covariance", matrix_json(covariance)}});
-    }
+  for (std::size_t o = 0; o < tick.outputs(); ++o) outputs.push_back(one(o));
+  for (const auto& [a, b] : related_outputs(tick)) {
+    const Eigen::MatrixXd covariance = cross_covariance(tick.output(a).output->estimate.lineage,
+                                                        tick.output(b).output->estimate.lineage);
+    if (covariance.isZero(0)) continue;
+    cross.push_back({{"outputs", {a, b}}, {"covariance", matrix_json(covariance)}});
   }
   json["outputs"] = std::move(outputs);
   json["cross_covariance"] = std::move(cross);

@@ -1,18 +1,23 @@
 #include "framework/runtime/latency_histogram.h"
 
 #include <cmath>
+#include <numeric>
 
 namespace ilss {
 
 void LatencyHistogram::merge(const LatencyHistogram& other) noexcept {
   for (std::size_t i = 0; i < bucket_count; ++i) buckets_[i] += other.buckets_[i];
-  count_ += other.count_;
   sum_ += other.sum_;
   max_ = std::max(max_, other.max_);
 }
 
+std::uint64_t LatencyHistogram::count() const {
+  return std::accumulate(buckets_.begin(), buckets_.end(), std::uint64_t{0});
+}
+
 double LatencyHistogram::mean() const {
-  return count_ == 0 ? 0 : static_cast<double>(sum_) / static_cast<double>(count_);
+  const std::uint64_t recorded = count();
+  return recorded == 0 ? 0 : static_cast<double>(sum_) / static_cast<double>(recorded);
 }
 
 std::uint64_t LatencyHistogram::upper_end(std::size_t bucket) {
@@ -23,7 +28,7 @@ std::uint64_t LatencyHistogram::upper_end(std::size_t bucket) {
 }
 
 std::uint64_t LatencyHistogram::quantile(double probability) const {
-  const double rank = std::ceil(probability * static_cast<double>(count_));
+  const double rank = std::ceil(probability * static_cast<double>(count()));
   std::uint64_t below = 0;
   for (std::size_t i = 0; i + 1 < bucket_count; ++i) {
     below += buckets_[i];
@@ -33,7 +38,7 @@ std::uint64_t LatencyHistogram::quantile(double probability) const {
 }
 
 LatencySummary LatencyHistogram::summary() const {
-  return {count_, mean(), quantile(0.5), quantile(0.9), quantile(0.99), quantile(0.999), max_};
+  return {count(), mean(), quantile(0.5), quantile(0.9), quantile(0.99), quantile(0.999), max_};
 }
 
 }  // namespace ilss

@@ -93,10 +93,11 @@ bool Run::step() {
   if (ends_with(FaultKind::end_of_data, RunEnd::end_of_data)) return false;
   ++ticks_;
   if (wants_verdicts()) {
-    verdicts_ = judge(system());
+    if (!judge_) judge_.emplace(system());
+    const std::vector<VerdictReport>& verdicts = judge_->judge();
     ++judged_ticks_;
-    view_.emplace(system(), TickView::Beside{beside.counts, beside.compute_time, &verdicts_,
-                                             beside.commands});
+    view_.emplace(system(),
+                  TickView::Beside{beside.counts, beside.compute_time, &verdicts, beside.commands});
   }
   for (Observer* observer : observers_) observer->observe(*view_);
   ends_with(FaultKind::device_lost, RunEnd::device_lost);

@@ -57,7 +57,7 @@ void Perturbation::find_region(std::span<const std::size_t> targets,
                                std::span<const std::size_t> cut, Redo redo) {
   const Plan& plan = system_.plan();
   const auto is_cut = [&](std::size_t node) {
-    return std::binary_search(cut.begin(), cut.end(), node);
+    return system_.is_given(node) || std::binary_search(cut.begin(), cut.end(), node);
   };
   std::vector<std::size_t> waiting(targets.begin(), targets.end());
   std::unordered_set<std::size_t> region(waiting.begin(), waiting.end());

@@ -330,9 +330,10 @@ void reset(VerdictReport& report, Verdict verdict) {
 
 /// Which of the nodes are judged together: those that share a function. What is only moved, such as
 /// a sensor that several branches share, costs little more to move in each of them.
-std::vector<std::vector<std::size_t>> groups_of(const Plan& plan,
+std::vector<std::vector<std::size_t>> groups_of(const System& system,
                                                 const std::vector<std::size_t>& nodes,
                                                 const std::vector<std::size_t>& cut) {
+  const Plan& plan = system.plan();
   std::vector<std::optional<std::size_t>> finder(plan.nodes.size());  // who came there first
   std::vector<std::size_t> leader(nodes.size());
   const auto leader_of = [&](std::size_t i) {
@@ -340,7 +341,7 @@ std::vector<std::vector<std::size_t>> groups_of(const Plan& plan,
     return i;
   };
   const auto is_redone = [&](std::size_t node) {
-    return plan.nodes[node].type->kind == ModuleKind::function &&
+    return plan.nodes[node].type->kind == ModuleKind::function && !system.is_given(node) &&
            !std::binary_search(cut.begin(), cut.end(), node);
   };
   std::vector<std::size_t> waiting;
@@ -467,7 +468,7 @@ class Judge::Group {
 Judge::Judge(const System& system, std::vector<std::size_t> nodes, std::vector<std::size_t> cut)
     : system_(&system), cut_(std::move(cut)), reports_(nodes.size()) {
   std::sort(cut_.begin(), cut_.end());
-  for (std::vector<std::size_t>& places : groups_of(system.plan(), nodes, cut_)) {
+  for (std::vector<std::size_t>& places : groups_of(system, nodes, cut_)) {
     std::vector<std::size_t> members;
     for (const std::size_t place : places) members.push_back(nodes[place]);
     groups_.emplace_back(std::move(members), std::move(places));

@@ -3,11 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "framework/estimate/random.h"
+#include "framework/estimate/distribution.h"
 
 namespace ilss {
 namespace {
@@ -29,6 +30,14 @@ struct Heading {
   T angle;
   static constexpr std::string_view name = "test_heading";
   static constexpr auto fields = Fields{{"angle", "rad", "", required, Geometry::circular}};
+};
+
+template <typename T>
+struct Line {
+  T rho, phi;
+  static constexpr std::string_view name = "test_line";
+  static constexpr auto fields =
+      Fields{{"rho", "m"}, {"phi", "rad", "", required, Geometry::circular}};
 };
 
 /// Errors drawn with covariance root rootᵀ, judged under `claimed`.
@@ -162,6 +171,52 @@ TEST(ChiSquareQuantile, RefusesWhatHasNone) {
   EXPECT_THROW((void)chi_square_quantile(0, 0.5), std::invalid_argument);
   EXPECT_THROW((void)chi_square_quantile(1, 1), std::invalid_argument);
   EXPECT_THROW((void)chi_square_quantile(1, nan), std::invalid_argument);
+}
+
+TEST(NormalizedError, IsThatOfThePrincipalAxes) {
+  const std::uint64_t seed = 17;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  RandomBits random(seed);
+  for (int n = 1; n <= 5; ++n)
+    for (int run = 0; run < 100; ++run) {
+      VectorXd error(n);
+      MatrixXd root(n, run % 5 == 0 ? 2 : n);  // some of rank two
+      for (double& x : error) x = draw_normal(random);
+      for (double& x : root.reshaped()) x = draw_normal(random);
+      const MatrixXd covariance = root * root.transpose();
+      const VectorXd scale = covariance.diagonal().cwiseSqrt();
+      const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(
+          scale.asDiagonal().inverse() * covariance * scale.asDiagonal().inverse());
+      const VectorXd along = eigen.eigenvectors().transpose() * error.cwiseQuotient(scale);
+      double value = 0;
+      int rank = 0;
+      for (int i = 0; i < n; ++i) {
+        if (eigen.eigenvalues()[i] <= 1e-10 * n) continue;
+        value += along[i] * along[i] / eigen.eigenvalues()[i];
+        ++rank;
+      }
+      const NormalizedError result = normalized_squared_error(error, covariance);
+      EXPECT_EQ(result.rank, rank);
+      EXPECT_NEAR(result.value, value, 1e-7 * value);
+    }
+}
+
+TEST(Nis, SharedErrorsCancel) {
+  Estimate a(descriptor<Line>());
+  Estimate b = a;
+  const Source shared{0, 0, persistent_tick};
+  a.value = {1, 3};
+  b.value = {1.5, -3};
+  for (Estimate* estimate : {&a, &b}) {
+    estimate->lineage.add(shared, 0, 7.0);
+    estimate->lineage.add({estimate == &a ? 1U : 2U, 0, 0}, 0, 1.0);
+    estimate->lineage.add({estimate == &a ? 3U : 4U, 0, 0}, 1, 0.1);
+  }
+  // The second component is an angle: from 3 to -3 it is 2 pi - 6.
+  const double turn = 2 * std::numbers::pi - 6;
+  const NormalizedError innovation = nis(a, b);
+  EXPECT_EQ(innovation.rank, 2);
+  EXPECT_NEAR(innovation.value, 0.25 / 2 + turn * turn / 0.02, 1e-9);
 }
 
 }  // namespace
