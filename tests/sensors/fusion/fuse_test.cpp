@@ -391,7 +391,7 @@ TEST(Fuse, WhatSecondOrderLeavesBetweenSharedErrorsIsTolerated) {
 
 TEST(Fuse, TakesAtLeastTwoEstimatesOfComponentsAlone) {
   PayloadDescriptor bare{"bare", "", {}};
-  PayloadDescriptor picture{"picture", "", {{"pitch", "m", "", {}, false}}};
+  PayloadDescriptor picture{"picture", "", {{"pitch", "m", "", {}}}};
   picture.samples = SamplesDescriptor{"1", {"row"}};
   const auto complaints = [](std::vector<const PayloadDescriptor*> inputs) {
     Diagnostics diagnostics;
