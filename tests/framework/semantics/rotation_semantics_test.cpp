@@ -83,7 +83,7 @@ TEST(RotationVerdict, OfSmallErrorsIsLinearEverywhere) {
   for (const auto& [first, second] : rotations) {
     const Plan plan = plan_of(first, second);
     System system(plan, 1);
-    system.expect({});
+    system.expect();
     const VerdictReport report = judge(system).at(0);
     EXPECT_EQ(report.verdict, Verdict::linear_ok) << first << " " << report.reason;
     for (const double bias : report.bias) EXPECT_NEAR(bias, 0, 1e-3);
@@ -93,7 +93,7 @@ TEST(RotationVerdict, OfSmallErrorsIsLinearEverywhere) {
 TEST(RotationVerdict, OfErrorsAsLargeAsATurnIsNotLinear) {
   const Plan plan = plan_of("x: 10 deg, deviation: 60 deg", "y: 20 deg, deviation: 60 deg");
   System system(plan, 1);
-  system.expect({});
+  system.expect();
   EXPECT_NE(judge(system).at(0).verdict, Verdict::linear_ok);
 }
 
@@ -102,7 +102,7 @@ TEST(RotationMonteCarlo, IsAsFirstOrderSaysAcrossHalfATurn) {
     SCOPED_TRACE(first);
     const Plan plan = plan_of(first, second);
     System system(plan, 1);
-    system.expect({});
+    system.expect();
     const Estimate& estimate = test::output_of(system);
     const MonteCarloOutput result = run_monte_carlo(system, {}, {.trials = 100'000}).at(0);
     const Eigen::VectorXd bias =

@@ -392,7 +392,7 @@ TEST(Fuse, WhatSecondOrderLeavesBetweenSharedErrorsIsTolerated) {
 TEST(Fuse, TakesAtLeastTwoEstimatesOfComponentsAlone) {
   PayloadDescriptor bare{"bare", "", {}};
   PayloadDescriptor picture{"picture", "", {{"pitch", "m", "", {}}}};
-  picture.samples = SamplesDescriptor{"1", {"row"}};
+  picture.samples = SamplesDescriptor{{"row"}, {}};
   const auto complaints = [](std::vector<const PayloadDescriptor*> inputs) {
     Diagnostics diagnostics;
     Settings settings;
