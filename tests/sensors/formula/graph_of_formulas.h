@@ -60,7 +60,7 @@ class Evaluated {
   }
   const Plan& plan() const { return *graph_.plan; }
   const NodeState& state() const { return only_output(*system_); }
-  const Estimate& estimate() const { return state().output.estimate; }
+  const Estimate& estimate() const { return state().output().estimate; }
   double value() const { return estimate().value.at(0); }
 
  private:

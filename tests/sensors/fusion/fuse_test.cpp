@@ -391,8 +391,8 @@ TEST(Fuse, WhatSecondOrderLeavesBetweenSharedErrorsIsTolerated) {
 
 TEST(Fuse, TakesAtLeastTwoEstimatesOfComponentsAlone) {
   PayloadDescriptor bare{"bare", "", {}};
-  PayloadDescriptor picture{"picture", "", {{"pitch", "m", "", {}, false}}};
-  picture.samples = SamplesDescriptor{"1", {"row"}};
+  PayloadDescriptor picture{"picture", "", {{"pitch", "m", "", {}}}};
+  picture.samples = SamplesDescriptor{{"row"}, {}};
   const auto complaints = [](std::vector<const PayloadDescriptor*> inputs) {
     Diagnostics diagnostics;
     Settings settings;

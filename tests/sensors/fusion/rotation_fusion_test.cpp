@@ -187,7 +187,7 @@ INSTANTIATE_TEST_SUITE_P(Payloads, NoVectorSpace,
                                                 return descriptor<SpatialPose>();
                                               },
                                               spatial_truth}),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& kind) { return std::string(kind.param.name); });
 
 /// NEES over runs of an orientation with errors of unequal axes, made and judged in some way.
 template <typename Make, typename Error>

@@ -29,7 +29,7 @@ struct RunningSensor {
     return lep_readings_of(output);
   }
   Outcome<> command(const std::string& name, double value, double time) {
-    return sensor.command({name, value, time});
+    return sensor.command({name, value, time_at(time)});
   }
 
   LepRig rig;
@@ -121,7 +121,7 @@ TEST(LepSensor, RefusesWhatItsDriveCannotDo) {
         std::pair("rotate_to", std::nan("")), std::pair("rotate_at", std::nan("")),
         std::pair("jump", 0.0)})
     EXPECT_EQ(fault_of(run.command(name, value, 0)), "refused") << name << " " << value;
-  EXPECT_EQ(fault_of(run.sensor.command({"rotate_to", std::string("left"), 0})), "refused");
+  EXPECT_EQ(fault_of(run.sensor.command({"rotate_to", std::string("left"), {}})), "refused");
   EXPECT_EQ(fault_of(run.command("rotate_to", 90.1 * degree, 0)), "refused");
   const auto readings = run.next();
   EXPECT_NEAR(readings.back().head, 9 * degree, 1e-12) << "a refused command changes nothing";

@@ -158,6 +158,16 @@ TEST_F(SonarInScene, MeasuresFromItsMountOnTheRobot) {
   EXPECT_NEAR(expected_.estimate.value[0], (2 - x) / std::cos(19 * degree), 1e-12);
 }
 
+TEST_F(SonarInScene, DoesNotDependOnWhichTickIsAskedFirst) {
+  Sonar in_order(sonar_options(yaml_));
+  std::vector<double> ranges;
+  for (std::uint64_t tick = 0; tick < 9; ++tick)
+    ranges.push_back(range_of(run(in_order, tick_at(static_cast<std::int64_t>(tick), tick))));
+  Sonar other(sonar_options(yaml_));
+  for (const std::uint64_t tick : {7, 3, 7, 0})
+    EXPECT_EQ(range_of(run(other, tick_at(static_cast<std::int64_t>(tick), tick))), ranges[tick]);
+}
+
 TEST_F(SonarInScene, ScattersAsItsErrorModelSays) {
   Sonar sonar(sonar_options(yaml_));
   constexpr std::uint64_t seed = 6;
