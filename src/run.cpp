@@ -31,6 +31,7 @@ static_assert(std::atomic<bool>::is_always_lock_free);  // set by a signal's han
 
 /// Where no --ticks is given, a run without end stops here.
 constexpr std::int64_t default_ticks = 1000;
+constexpr const char* default_period = "100 ms";
 constexpr double longest_period = 1e6;  // s
 constexpr unsigned most_threads = 1024;
 constexpr double least_picture_scale = 1e-3;
@@ -42,7 +43,7 @@ struct Arguments {
   std::vector<std::string> commands;
   std::optional<std::int64_t> ticks = {};
   std::string time = "period";
-  std::string period = "100 ms";
+  std::string period;  ///< empty: the default
   std::uint64_t seed = 1;
   unsigned threads = 1;
   std::string verdict;
@@ -127,8 +128,11 @@ void report_notes(const System& system) {
       fmt::print(stderr, "ilss: '{}': {}\n", system.plan().nodes[i].name, note);
 }
 
-Duration read_period(const std::string& text) {
-  const auto period = parse_quantity(text, "s");
+Duration read_period(const Arguments& arguments) {
+  if (arguments.time == "log" && !arguments.period.empty())
+    fail(exit_bad_input, "--period: with --time log the data say when the ticks are");
+  const auto period =
+      parse_quantity(arguments.period.empty() ? default_period : arguments.period, "s");
   if (const auto* error = std::get_if<std::string>(&period))
     fail(exit_bad_input, "--period: " + *error);
   const Duration duration = duration_of(std::get<double>(period));
@@ -236,7 +240,7 @@ void report_end(const Run& run, const Arguments& arguments) {
 
 RunOptions read_options(const Arguments& arguments, const Plan& plan) {
   return {.pacing = read_pacing(arguments.time),
-          .period = read_period(arguments.period),
+          .period = read_period(arguments),
           .most_ticks = arguments.ticks.value_or(default_ticks),
           .seed = arguments.seed,
           .threads = arguments.threads,
@@ -300,8 +304,7 @@ void add_run(CLI::App& app, Session& session) {
       ->check(CLI::IsMember({"period", "real", "log"}))
       ->capture_default_str();
   verb->add_option("--period", arguments->period,
-                   "Time from tick to tick, but where they come from a log")
-      ->capture_default_str();
+                   fmt::format("Time from tick to tick (default {})", default_period));
   verb->add_option("--seed", arguments->seed, "Seed of all random numbers")
       ->transform(whole_number(std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
