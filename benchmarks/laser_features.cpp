@@ -118,9 +118,10 @@ void measure_log(const Registry& registry, const std::filesystem::path& folder, 
     LaserLog source(options);
     Output scan = empty_scan();
     Pipeline pipeline(registry, segmenter, &scan);
-    const Estimate none(no_parameters());
+    const Estimate parameters(descriptor<LaserLog::Parameters>());
     std::int64_t tick = 0;
-    while (source.evaluate({tick, 0, 1, 1, none, {}}, scan).has_output()) pipeline.run(tick++);
+    while (source.evaluate({tick, 0, 1, 1, parameters, {}}, scan).has_output())
+      pipeline.run(tick++);
     fmt::print("{:<26}{:>8}{:>14.2f}{:>12.2f}{:>12.2f}{:>12.2f}\n", segmenter, tick,
                median(pipeline.breakpoint_times), median(pipeline.segmenter_times),
                median(pipeline.feature_times), median(pipeline.all));

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <random>
 
 #include "framework/estimate/consistency.h"
 #include "framework/estimate/random.h"
@@ -149,14 +148,14 @@ void write_example(const std::string& folder, std::uint64_t seed) {
       "scan_angle [deg],x [mm],z [mm]\n",
       seed);
   RandomBits random(derive_seed(seed, "lep stripes"));
-  std::normal_distribution<double> noise(0, 0.01 * degree);
   for (const double z : {0.6, 1.2, 2.0}) {
     for (int edge = -14; edge <= 14; ++edge) {
       const double x = 0.05 * edge;
       const double angle =
           std::atan2(x - design.origin.x, z - design.origin.z) - design.origin.projected_vergence;
       if (std::abs(angle) > design.half_field) continue;
-      stripes.print("{:.4f},{:.0f},{:.0f}\n", (angle + noise(random)) / degree, 1e3 * x, 1e3 * z);
+      stripes.print("{:.4f},{:.0f},{:.0f}\n", angle / degree + 0.01 * draw_normal(random), 1e3 * x,
+                    1e3 * z);
     }
   }
 }

@@ -2,7 +2,6 @@
 #include <benchmark/benchmark.h>
 
 #include <array>
-#include <random>
 #include <vector>
 
 #include "framework/module/function_module.h"
@@ -56,11 +55,10 @@ struct ScaledProducts {
 Lineage random_lineage(std::size_t dimension, std::uint32_t count, std::uint32_t first = 0,
                        std::uint32_t stride = 1) {
   RandomBits bits(dimension * 1000 + count);
-  std::normal_distribution<double> normal;
   Lineage lineage(dimension);
   std::vector<double> column(dimension);
   for (std::uint32_t k = 0; k < count; ++k) {
-    for (double& x : column) x = normal(bits);
+    for (double& x : column) x = draw_normal(bits);
     lineage.add({0, first + k * stride, 0}, column);
   }
   return lineage;

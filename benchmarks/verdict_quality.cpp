@@ -139,7 +139,7 @@ std::optional<Point> examine(const Subject& subject, const Registry& registry,
   system.expect(points);
   if (!system.node(plan->outputs.front()).outcome.has_output()) return std::nullopt;
   const VerdictReport report = judge(system).front();
-  Perturbation perturbation(system, {}, Redo::functions);
+  Perturbation perturbation(system, plan->outputs, {}, Redo::functions);
   const MonteCarloOutput truth = run_monte_carlo(system, perturbation, trials, seed).front();
   Point point{report.verdict, report.piloted, false, false, scale};
   point.intervals_fine = std::all_of(truth.coverage.begin(), truth.coverage.end(), within);

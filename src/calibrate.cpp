@@ -195,63 +195,64 @@ void calibrate_sensor(const LepArguments& arguments) {
              misfit, report.largest_in_sd_line));
 }
 
-void add_common_options(CLI::App& verb, NoiseArguments& arguments) {
+void add_common_options(Verb verb, NoiseArguments& arguments) {
   verb.add_option("--detector-length", arguments.detector_length,
                   "P, from end to end of the photodiode (default 10 mm)")
-      ->type_name("LENGTH");
+      .type_name("LENGTH");
   verb.add_option("--output", arguments.output, "Write a YAML file that a graph's constants take")
-      ->type_name("FILE");
+      .type_name("FILE");
   verb.add_flag("--json", arguments.json, "Print JSON");
 }
 
-void add_lep(CLI::App& app) {
+void add_lep(Verb command) {
   const auto arguments = std::make_shared<LepArguments>();
-  CLI::App* verb = app.add_subcommand(
+  Verb verb = command.add_verb(
       "lep", "LEP range sensor: focal length, baseline, vergence, lens distance, scan origin");
-  verb->add_option("DATA", arguments->common.file,
-                   "CSV file with the columns scan_angle, depth, image_position and either "
-                   "image_position_std or detector_current, each with its unit: 'depth [m]'")
-      ->required();
-  verb->add_option("--noise-current", arguments->noise_current,
-                   "Of the detector; then a reading's sd follows from its detector_current")
-      ->type_name("CURRENT");
-  auto* stripes = verb->add_option("--stripes", arguments->stripes,
-                                   "CSV file of stripe edges for the scan origin: scan_angle, x, z")
-                      ->type_name("FILE");
+  verb.add_option("DATA", arguments->common.file,
+                  "CSV file with the columns scan_angle, depth, image_position and either "
+                  "image_position_std or detector_current, each with its unit: 'depth [m]'")
+      .required();
+  verb.add_option("--noise-current", arguments->noise_current,
+                  "Of the detector; then a reading's sd follows from its detector_current")
+      .type_name("CURRENT");
+  const Option stripes =
+      verb.add_option("--stripes", arguments->stripes,
+                      "CSV file of stripe edges for the scan origin: scan_angle, x, z")
+          .type_name("FILE");
   const std::array<const char*, 3> what = {
       "Where the laser turns, to the right of the head's axis (default 0)",
       "The same, forward of it (default 0)",
       "What is added to a scan angle to get the laser's (default 0)"};
   for (std::size_t i = 0; i < what.size(); ++i)
-    verb->add_option(origin_options[i], arguments->origin[i], what[i])
-        ->type_name(i == 2 ? "ANGLE" : "LENGTH")
-        ->excludes(stripes);
-  add_common_options(*verb, arguments->common);
-  verb->add_flag("--force", arguments->common.force, "Write a calibration that does not fit, too");
-  verb->callback([arguments] { calibrate_sensor(*arguments); });
+    verb.add_option(origin_options[i], arguments->origin[i], what[i])
+        .type_name(i == 2 ? "ANGLE" : "LENGTH")
+        .excludes(stripes);
+  add_common_options(verb, arguments->common);
+  verb.add_flag("--force", arguments->common.force, "Write a calibration that does not fit, too");
+  verb.on_call([arguments] { calibrate_sensor(*arguments); });
 }
 
-void add_lep_noise(CLI::App& app) {
+void add_lep_noise(Verb command) {
   const auto arguments = std::make_shared<NoiseArguments>();
-  CLI::App* verb = app.add_subcommand(
+  Verb verb = command.add_verb(
       "lep_noise",
       "Noise current of a LEP's detector, from sds of image position at known currents");
-  verb->add_option("TABLE", arguments->file,
-                   "CSV file with the columns detector_current and image_position_std, each with "
-                   "its unit: 'detector_current [nA]'")
-      ->required();
-  add_common_options(*verb, *arguments);
-  verb->callback([arguments] { calibrate_noise(*arguments); });
+  verb.add_option("TABLE", arguments->file,
+                  "CSV file with the columns detector_current and image_position_std, each with "
+                  "its unit: 'detector_current [nA]'")
+      .required();
+  add_common_options(verb, *arguments);
+  verb.on_call([arguments] { calibrate_noise(*arguments); });
 }
 
 }  // namespace
 
-void add_calibrate(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("calibrate", "Fit a sensor's model to measurements");
-  verb->require_subcommand(1);
-  add_calibrate_laser(*verb);
-  add_lep(*verb);
-  add_lep_noise(*verb);
+void add_calibrate(Verb command) {
+  Verb verb = command.add_verb("calibrate", "Fit a sensor's model to measurements");
+  verb.require_verb();
+  add_calibrate_laser(verb);
+  add_lep(verb);
+  add_lep_noise(verb);
 }
 
 }  // namespace ilss

@@ -177,21 +177,21 @@ void calibrate(const Arguments& arguments) {
 
 }  // namespace
 
-void add_calibrate_laser(CLI::App& calibrate_verb) {
+void add_calibrate_laser(Verb calibrate_verb) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb = calibrate_verb.add_subcommand(
+  Verb verb = calibrate_verb.add_verb(
       "laser", "Laser range finder: the systematic error of its ranges, a polynomial");
-  verb->add_option("DATA", arguments->file,
-                   "CSV file with the columns measured and true, and range_std where it is known, "
-                   "each with its unit: 'measured [m]'")
-      ->required();
-  verb->add_option("--order", arguments->order, "Of the polynomial (default 6)")
-      ->check(CLI::Range(0, 6));
-  verb->add_option("--output", arguments->output, "Write a YAML file that a graph's constants take")
-      ->type_name("FILE");
-  verb->add_flag("--json", arguments->json, "Print JSON");
-  verb->add_flag("--force", arguments->force, "Write a polynomial that does not fit, too");
-  verb->callback([arguments] { calibrate(*arguments); });
+  verb.add_option("DATA", arguments->file,
+                  "CSV file with the columns measured and true, and range_std where it is known, "
+                  "each with its unit: 'measured [m]'")
+      .required();
+  verb.add_option("--order", arguments->order, "Of the polynomial (default 6)")
+      .check(whole_number(0, 6));
+  verb.add_option("--output", arguments->output, "Write a YAML file that a graph's constants take")
+      .type_name("FILE");
+  verb.add_flag("--json", arguments->json, "Print JSON");
+  verb.add_flag("--force", arguments->force, "Write a polynomial that does not fit, too");
+  verb.on_call([arguments] { calibrate(*arguments); });
 }
 
 }  // namespace ilss

@@ -1,10 +1,10 @@
 // What all calibrations share: the file that they write, and when they refuse.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 
 #include "framework/module/outcome.h"
+#include "src/options.h"
 
 namespace ilss {
 
@@ -19,6 +19,6 @@ void write_file(const std::string& output, const std::string& text);
 [[noreturn]] void refuse(const std::string& file, const Fault& fault);
 
 /// `ilss calibrate laser`.
-void add_calibrate_laser(CLI::App& calibrate);
+void add_calibrate_laser(Verb calibrate);
 
 }  // namespace ilss

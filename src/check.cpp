@@ -70,7 +70,7 @@ void open_all(const Plan& plan) {
 
 }  // namespace
 
-void add_check(CLI::App& app, Session& session) {
+void add_check(Verb command, Session& session) {
   struct Arguments {
     std::string graph;
     std::vector<std::string> sets;
@@ -78,13 +78,12 @@ void add_check(CLI::App& app, Session& session) {
     bool json = false;
   };
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb = app.add_subcommand("check", "Report all errors of a graph, or print its plan");
-  verb->add_option("GRAPH", arguments->graph, "Graph file")->required();
-  add_set_option(*verb, arguments->sets);
-  verb->add_flag("--open", arguments->open,
-                 "Open the files and devices that its modules read, too");
-  verb->add_flag("--json", arguments->json, "Print JSON");
-  verb->callback([arguments, &session] {
+  Verb verb = command.add_verb("check", "Report all errors of a graph, or print its plan");
+  verb.add_option("GRAPH", arguments->graph, "Graph file").required();
+  verb.add_set_option(arguments->sets);
+  verb.add_flag("--open", arguments->open, "Open the files and devices that its modules read, too");
+  verb.add_flag("--json", arguments->json, "Print JSON");
+  verb.on_call([arguments, &session] {
     session.load_modules();
     const Plan plan = session.read_graph(arguments->graph, arguments->sets);
     if (arguments->open) open_all(plan);

@@ -49,19 +49,19 @@ int compare_study(const Arguments& arguments, Session& session) {
 
 }  // namespace
 
-void add_compare(CLI::App& app, Session& session) {
+void add_compare(Verb command, Session& session) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb = app.add_subcommand(
+  Verb verb = command.add_verb(
       "compare", "Alternatives side by side: predicted, run, judged against truth and requirement");
-  verb->add_option("STUDY", arguments->study, "Study file")->required();
-  verb->add_option("--runs", arguments->runs, "Runs of each system in each case")
-      ->transform(whole_number(std::int64_t{1}, std::int64_t{1'000'000'000}));
-  verb->add_option("--seed", arguments->seed, "Seed of the random errors")
-      ->transform(whole_number(std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max()));
-  verb->add_flag("--enforce", arguments->enforce,
-                 "Exit with 1 where an alternative misses the requirement");
-  verb->add_flag("--json", arguments->json, "Print JSON");
-  verb->callback([arguments, &session] { throw Exit{compare_study(*arguments, session)}; });
+  verb.add_option("STUDY", arguments->study, "Study file").required();
+  verb.add_option("--runs", arguments->runs, "Runs of each system in each case")
+      .check(whole_number(std::int64_t{1}, std::int64_t{1'000'000'000}));
+  verb.add_option("--seed", arguments->seed, "Seed of the random errors")
+      .check(whole_number(std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max()));
+  verb.add_flag("--enforce", arguments->enforce,
+                "Exit with 1 where an alternative misses the requirement");
+  verb.add_flag("--json", arguments->json, "Print JSON");
+  verb.on_call([arguments, &session] { throw Exit{compare_study(*arguments, session)}; });
 }
 
 }  // namespace ilss

@@ -73,8 +73,8 @@ Interface interface_under(const ModuleType& type, const std::vector<Override>& p
     entries.emplace_back(parameter.path, parameter.value);
   const Node module = map(entries);
   Settings settings;
-  Diagnostics said_later;
-  if (type.read_options) settings.options = type.read_options(&module, ".", said_later, {});
+  Diagnostics unreported;
+  if (type.read_options) settings.options = type.read_options(&module, ".", unreported, {});
   return type.interface(settings);
 }
 
@@ -194,20 +194,20 @@ void evaluate(const Arguments& arguments, Session& session) {
 
 }  // namespace
 
-void add_eval(CLI::App& app, Session& session) {
+void add_eval(Verb command, Session& session) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb = app.add_subcommand("eval", "One module on given estimates");
-  verb->add_option("TYPE", arguments->type, "Module type")->required();
-  verb->add_option("--param", arguments->parameters, "A parameter: NAME=VALUE, as in YAML")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false);
-  verb->add_option("--input", arguments->inputs,
-                   "An input: NAME={COMPONENT: {value, std}, ...}, or NAME={value: {...}, "
-                   "covariance: [[...]]}; with type: PAYLOAD where the module takes any")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false);
-  verb->add_flag("--json", arguments->json, "Print JSON");
-  verb->callback([arguments, &session] { evaluate(*arguments, session); });
+  Verb verb = command.add_verb("eval", "One module on given estimates");
+  verb.add_option("TYPE", arguments->type, "Module type").required();
+  verb.add_option("--param", arguments->parameters, "A parameter: NAME=VALUE, as in YAML")
+      .type_name("NAME=VALUE")
+      .one_value_each();
+  verb.add_option("--input", arguments->inputs,
+                  "An input: NAME={COMPONENT: {value, std}, ...}, or NAME={value: {...}, "
+                  "covariance: [[...]]}; with type: PAYLOAD where the module takes any")
+      .type_name("NAME=VALUE")
+      .one_value_each();
+  verb.add_flag("--json", arguments->json, "Print JSON");
+  verb.on_call([arguments, &session] { evaluate(*arguments, session); });
 }
 
 }  // namespace ilss

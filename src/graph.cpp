@@ -93,17 +93,17 @@ void write(const std::string& text, const std::string& file) {
 
 }  // namespace
 
-void add_graph(CLI::App& app, Session& session) {
+void add_graph(Verb command, Session& session) {
   auto options = std::make_shared<GraphOptions>();
-  CLI::App* verb = app.add_subcommand("graph", "Draw a graph's network as DOT or SVG");
-  verb->add_option("GRAPH", options->graph, "The graph's YAML file")->required();
-  add_set_option(*verb, options->sets);
-  verb->add_option("--format", options->format, "dot, or svg (drawn by Graphviz)")
-      ->check(CLI::IsMember({"dot", "svg"}))
-      ->capture_default_str();
-  verb->add_option("--output", options->output, "Write to a file instead")->type_name("FILE");
-  verb->add_flag("--json", options->json, "Print JSON: {format, text}");
-  verb->callback([options, &session] {
+  Verb verb = command.add_verb("graph", "Draw a graph's network as DOT or SVG");
+  verb.add_option("GRAPH", options->graph, "The graph's YAML file").required();
+  verb.add_set_option(options->sets);
+  verb.add_option("--format", options->format, "dot, or svg (drawn by Graphviz)")
+      .one_of({"dot", "svg"})
+      .show_default();
+  verb.add_option("--output", options->output, "Write to a file instead").type_name("FILE");
+  verb.add_flag("--json", options->json, "Print JSON: {format, text}");
+  verb.on_call([options, &session] {
     check_output_file("--output", options->output, {options->graph});
     session.load_modules();
     const Plan plan = session.read_graph(options->graph, options->sets);

@@ -17,6 +17,18 @@ std::string inputs_text(const Interface& interface) {
 
 std::string unit_text(const std::string& unit) { return unit.empty() ? "" : " in " + unit; }
 
+/// "samples by beam: bearing [rad], range [m]".
+std::string samples_declaration_text(const SamplesDescriptor& samples) {
+  std::vector<std::string> columns;
+  for (const SampleColumn& column : samples.columns) {
+    const std::string count = column.count == 1 ? "" : fmt::format(" x {}", column.count);
+    const std::string type =
+        column.type == SampleType::float64 ? "" : fmt::format(" {}", sample_type_name(column.type));
+    columns.push_back(fmt::format("{} [{}]{}{}", column.name, column.unit, count, type));
+  }
+  return fmt::format("samples by {}: {}", fmt::join(samples.axes, ", "), fmt::join(columns, ", "));
+}
+
 std::string payload_text(const PayloadDescriptor& payload) {
   std::vector<std::string> parts;
   for (const Component& component : payload.components)
@@ -25,8 +37,7 @@ std::string payload_text(const PayloadDescriptor& payload) {
         component.default_value ? fmt::format(" = {:g}", *component.default_value) : ""));
   for (const Label& label : payload.labels)
     parts.push_back(fmt::format("{}: {}", label.name, fmt::join(label.values, " | ")));
-  if (payload.samples)
-    parts.push_back(fmt::format("samples by {}", fmt::join(payload.samples->axes, ", ")));
+  if (payload.samples) parts.push_back(samples_declaration_text(*payload.samples));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
@@ -148,6 +159,18 @@ Json payload_json(const PayloadDescriptor& payload) {
   }
   Json json = {{"type", payload.name}, {"components", std::move(components)}};
   for (const Label& label : payload.labels) json["labels"][label.name] = label.values;
+  if (payload.samples) {
+    Json columns = Json::array();
+    for (const SampleColumn& column : payload.samples->columns)
+      columns.push_back({{"name", column.name},
+                         {"unit", column.unit},
+                         {"documentation", column.documentation},
+                         {"type", sample_type_name(column.type)},
+                         {"count", column.count}});
+    json["samples"] = {{"axes", payload.samples->axes}, {"columns", std::move(columns)}};
+  }
+  for (const PayloadDescriptor* element : payload.elements)
+    json["elements"].push_back(payload_json(*element));
   return json;
 }
 
@@ -223,13 +246,13 @@ void list_modules(const Arguments& arguments, Session& session) {
 
 }  // namespace
 
-void add_modules(CLI::App& app, Session& session) {
+void add_modules(Verb command, Session& session) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb = app.add_subcommand("modules", "List module types, or all that one declares");
-  verb->add_option("TYPE", arguments->type, "Module type");
-  auto* json = verb->add_flag("--json", arguments->json, "Print JSON");
-  verb->add_flag("--markdown", arguments->markdown, "Print the reference page")->excludes(json);
-  verb->callback([arguments, &session] { list_modules(*arguments, session); });
+  Verb verb = command.add_verb("modules", "List module types, or all that one declares");
+  verb.add_option("TYPE", arguments->type, "Module type");
+  const Option json = verb.add_flag("--json", arguments->json, "Print JSON");
+  verb.add_flag("--markdown", arguments->markdown, "Print the reference page").excludes(json);
+  verb.on_call([arguments, &session] { list_modules(*arguments, session); });
 }
 
 }  // namespace ilss

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "framework/report/set_text.h"
 #include "sensors/features/range_features.h"
-#include "sensors/laser/features/laser_features.h"
+#include "sensors/laser/laser_mount.h"
+#include "sensors/laser/scan_points.h"
 #include "sensors/range/range_scan.h"
 
 namespace ilss {
@@ -119,13 +119,6 @@ struct DrawnLayer {
   PictureAxes axes = {};
 };
 
-/// Where a plan's laser_features say that the laser is on the robot; nothing where it has none.
-const PlanNode* find_laser_features(const Plan& plan) {
-  for (const PlanNode& node : plan.nodes)
-    if (node.type->name == LaserFeatures::name) return &node;
-  return nullptr;
-}
-
 /// Whether a later module gives the same scan again, corrected.
 bool is_corrected(const Plan& plan, std::size_t scan) {
   for (const PlanNode& node : plan.nodes)
@@ -135,24 +128,17 @@ bool is_corrected(const Plan& plan, std::size_t scan) {
   return false;
 }
 
-/// Adds a laser's returns, in the robot's plane where the plan says how the laser is mounted.
+/// Adds a laser's returns, in the robot's plane by the mount that the scan carries.
 DrawnLayer draw_laser_scan(const Plan& plan, std::size_t node, const Output& scan) {
-  DrawnLayer drawn{{plan.nodes[node].name, samples_text(scan)},
-                   plan.nodes[node].frame,
-                   {.right = "y", .up = "x", .right_sign = -1}};
-  std::array<double, 3> mount{};  // x forward, z to the right, heading to the right
-  if (const PlanNode* features = find_laser_features(plan)) {
-    drawn.frame = features->frame;
-    drawn.axes = {.right = "z", .up = "x"};
-    std::copy_n(features->parameters.value.begin(), mount.size(), mount.begin());
-  }
+  DrawnLayer drawn{{plan.nodes[node].name, samples_text(scan)}, "robot", {.right = "z", .up = "x"}};
   if (is_corrected(plan, node)) return drawn;
-  const Eigen::Vector2d origin(mount[1], mount[0]);
+  const LaserMount mount = mount_of(scan.estimate);
+  const Eigen::Vector2d origin(mount.z, mount.x);
   const double deviation = noise_of(scan.estimate).range_deviation();
   std::vector<Eigen::Vector2d> points;
   for (const LaserBeam& beam : beams_of(scan)) {
     if (!(beam.range > 0)) continue;
-    const double bearing = mount[2] - beam.bearing;
+    const double bearing = mount.heading - beam.bearing;
     const Eigen::Vector2d along(std::sin(bearing), std::cos(bearing));
     points.emplace_back(origin + beam.range * along);
     drawn.layer.readings.push_back({points.back(), deviation * along});

@@ -198,30 +198,30 @@ int predict(const Arguments& arguments, Session& session) {
 
 }  // namespace
 
-void add_predict(CLI::App& app, Session& session) {
+void add_predict(Verb command, Session& session) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb = app.add_subcommand(
+  Verb verb = command.add_verb(
       "predict", "Time and error of a system at an operating point, without acquiring");
-  verb->add_option("GRAPH", arguments->graph, "Graph file")->required();
-  verb->add_option("--at", arguments->at,
-                   "What a module gives at the operating point: NAME={COMPONENT: {value, std}}")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false);
-  add_set_option(*verb, arguments->sets);
-  verb->add_option("--profile", arguments->profile, "Module times measured by run --profile")
-      ->type_name("FILE");
-  verb->add_option("--monte-carlo", arguments->trials,
-                   "Draw every source of error from its distribution so many times")
-      ->type_name("N")
-      ->transform(whole_number<std::size_t>(1, most_trials));
-  verb->add_option("--seed", arguments->seed, "Seed of Monte Carlo")
-      ->type_name("N")
-      ->transform(whole_number<std::uint64_t>(0, std::numeric_limits<std::uint64_t>::max()));
-  verb->add_flag("--budget", arguments->budget,
-                 "Who is to blame, a table a component, and what halving each source would bring");
-  verb->add_flag("--parallel", arguments->parallel, "Branches run side by side");
-  verb->add_flag("--json", arguments->json, "Print JSON");
-  verb->callback([arguments, &session] { throw Exit{predict(*arguments, session)}; });
+  verb.add_option("GRAPH", arguments->graph, "Graph file").required();
+  verb.add_option("--at", arguments->at,
+                  "What a module gives at the operating point: NAME={COMPONENT: {value, std}}")
+      .type_name("NAME=VALUE")
+      .one_value_each();
+  verb.add_set_option(arguments->sets);
+  verb.add_option("--profile", arguments->profile, "Module times measured by run --profile")
+      .type_name("FILE");
+  verb.add_option("--monte-carlo", arguments->trials,
+                  "Draw every source of error from its distribution so many times")
+      .type_name("N")
+      .check(whole_number<std::size_t>(1, most_trials));
+  verb.add_option("--seed", arguments->seed, "Seed of Monte Carlo")
+      .type_name("N")
+      .check(whole_number<std::uint64_t>(0, std::numeric_limits<std::uint64_t>::max()));
+  verb.add_flag("--budget", arguments->budget,
+                "Who is to blame, a table a component, and what halving each source would bring");
+  verb.add_flag("--parallel", arguments->parallel, "Branches run side by side");
+  verb.add_flag("--json", arguments->json, "Print JSON");
+  verb.on_call([arguments, &session] { throw Exit{predict(*arguments, session)}; });
 }
 
 }  // namespace ilss

@@ -175,24 +175,21 @@ void check_file(const std::string& option, const std::string& path, const std::s
 }
 
 /// Accepts `every`, `off`, or one in how many.
-CLI::Validator verdict_rate() {
-  return {
-      [](const std::string& text) -> std::string {
-        std::int64_t ticks = 0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ticks);
-        if (text == "every" || text == "off" ||
-            (error == std::errc{} && end == text.data() + text.size() && ticks > 0))
-          return "";
-        return fmt::format("'{}' is neither every, nor off, nor a number of ticks above 0", text);
-      },
-      ""};
+OptionCheck verdict_rate() {
+  return [](const std::string& text) -> std::string {
+    std::int64_t ticks = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ticks);
+    if (text == "every" || text == "off" ||
+        (error == std::errc{} && end == text.data() + text.size() && ticks > 0))
+      return "";
+    return fmt::format("'{}' is neither every, nor off, nor a number of ticks above 0", text);
+  };
 }
 
-CLI::Validator file_name() {
-  return {[](const std::string& file) -> std::string {
-            return file.empty() ? "the file's name is empty" : "";
-          },
-          ""};
+OptionCheck file_name() {
+  return [](const std::string& file) -> std::string {
+    return file.empty() ? "the file's name is empty" : "";
+  };
 }
 
 void write_profile_file(const std::string& path, const Runner& runner) {
@@ -286,56 +283,57 @@ int run(const Arguments& arguments, Session& session) {
 
 }  // namespace
 
-void add_run(CLI::App& app, Session& session) {
+void add_run(Verb command, Session& session) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb = app.add_subcommand("run", "Run a system over its input");
-  verb->add_option("GRAPH", arguments->graph, "Graph file")->required();
-  add_set_option(*verb, arguments->sets);
-  verb->add_option("--command", arguments->commands,
-                   "Give a command of the system before the first tick at that time (default 0 s)")
-      ->type_name("NAME=VALUE[@TIME]")
-      ->allow_extra_args(false);
-  verb->add_option("--ticks", arguments->ticks,
-                   "At most so many ticks; 0: to the end of the data (default 1000)")
-      ->transform(whole_number(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
-  verb->add_option("--time", arguments->time,
-                   "Where ticks come from: a period in simulated time, the real clock, or the "
-                   "times at which the data of a log were acquired")
-      ->check(CLI::IsMember({"period", "real", "log"}))
-      ->capture_default_str();
-  verb->add_option("--period", arguments->period,
-                   fmt::format("Time from tick to tick (default {})", default_period));
-  verb->add_option("--seed", arguments->seed, "Seed of all random numbers")
-      ->transform(whole_number(std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max()))
-      ->capture_default_str();
-  verb->add_option("--threads", arguments->threads,
-                   "Evaluate modules that do not depend on each other side by side")
-      ->transform(whole_number(1U, most_threads))
-      ->capture_default_str();
-  verb->add_option("--verdict", arguments->verdict,
-                   "Judge the outputs of every tick, of one in N, or of none (default: of those "
-                   "printed, with --quiet of ever fewer, with --profile of none)")
-      ->type_name("every|N|off")
-      ->check(verdict_rate());
-  verb->add_option("--profile", arguments->profile, "Write the modules' measured times here")
-      ->type_name("FILE")
-      ->check(file_name());
-  verb->add_option("--features", arguments->features,
-                   "Write every feature with its covariance, as CSV or JSON by the file's name")
-      ->type_name("FILE.csv|FILE.json")
-      ->check(file_name());
-  auto* picture = verb->add_option("--picture", arguments->picture,
-                                   "Draw the last tick: scans, segments, edges and points, as SVG")
-                      ->type_name("FILE")
-                      ->check(file_name());
-  verb->add_option("--picture-scale", arguments->picture_scale,
-                   "Draw errors so many times as large as they are")
-      ->type_name("N")
-      ->capture_default_str()
-      ->needs(picture);
-  auto* quiet = verb->add_flag("--quiet", arguments->quiet, "Print the summary only");
-  verb->add_flag("--json", arguments->json, "Print one JSON object a tick")->excludes(quiet);
-  verb->callback([arguments, &session] { throw Exit{run(*arguments, session)}; });
+  Verb verb = command.add_verb("run", "Run a system over its input");
+  verb.add_option("GRAPH", arguments->graph, "Graph file").required();
+  verb.add_set_option(arguments->sets);
+  verb.add_option("--command", arguments->commands,
+                  "Give a command of the system before the first tick at that time (default 0 s)")
+      .type_name("NAME=VALUE[@TIME]")
+      .one_value_each();
+  verb.add_option("--ticks", arguments->ticks,
+                  "At most so many ticks; 0: to the end of the data (default 1000)")
+      .check(whole_number(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
+  verb.add_option("--time", arguments->time,
+                  "Where ticks come from: a period in simulated time, the real clock, or the times "
+                  "at which the data of a log were acquired")
+      .one_of({"period", "real", "log"})
+      .show_default();
+  verb.add_option("--period", arguments->period,
+                  fmt::format("Time from tick to tick (default {})", default_period));
+  verb.add_option("--seed", arguments->seed, "Seed of all random numbers")
+      .check(whole_number(std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max()))
+      .show_default();
+  verb.add_option("--threads", arguments->threads,
+                  "Evaluate modules that do not depend on each other side by side")
+      .check(whole_number(1U, most_threads))
+      .show_default();
+  verb.add_option("--verdict", arguments->verdict,
+                  "Judge the outputs of every tick, of one in N, or of none (default: of those "
+                  "printed, with --quiet of ever fewer, with --profile of none)")
+      .type_name("every|N|off")
+      .check(verdict_rate());
+  verb.add_option("--profile", arguments->profile, "Write the modules' measured times here")
+      .type_name("FILE")
+      .check(file_name());
+  verb.add_option("--features", arguments->features,
+                  "Write every feature with its covariance, as CSV or JSON by the file's name")
+      .type_name("FILE.csv|FILE.json")
+      .check(file_name());
+  const Option picture =
+      verb.add_option("--picture", arguments->picture,
+                      "Draw the last tick: scans, segments, edges and points, as SVG")
+          .type_name("FILE")
+          .check(file_name());
+  verb.add_option("--picture-scale", arguments->picture_scale,
+                  "Draw errors so many times as large as they are")
+      .type_name("N")
+      .show_default()
+      .needs(picture);
+  const Option quiet = verb.add_flag("--quiet", arguments->quiet, "Print the summary only");
+  verb.add_flag("--json", arguments->json, "Print one JSON object a tick").excludes(quiet);
+  verb.on_call([arguments, &session] { throw Exit{run(*arguments, session)}; });
 }
 
 }  // namespace ilss

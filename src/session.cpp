@@ -39,12 +39,6 @@ void Session::apply_profile_file(const std::filesystem::path& file, Plan& plan) 
   if (!diagnostics.empty()) report_and_exit(diagnostics);
 }
 
-void add_set_option(CLI::App& verb, std::vector<std::string>& sets) {
-  verb.add_option("--set", sets, "Override a parameter (or constants.NAME) of the graph")
-      ->type_name("MODULE.PARAMETER=VALUE")
-      ->allow_extra_args(false);
-}
-
 void report_and_exit(const Diagnostics& diagnostics) {
   for (const Diagnostic& diagnostic : diagnostics.sorted())
     fmt::print(stderr, "{}{}\n", diagnostic.position.file == nullptr ? "ilss: " : "",

@@ -1,16 +1,13 @@
 // What every verb of the command shares: the registry, plug-ins, reading graphs, exit statuses.
 #pragma once
 
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
-#include <charconv>
-#include <concepts>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "framework/graph/plan.h"
+#include "src/options.h"
 
 namespace ilss {
 
@@ -43,35 +40,16 @@ struct Session {
 /// Prints one message to stderr and ends with the status.
 [[noreturn]] void fail(int status, const std::string& message);
 
-/// The option `--set MODULE.PARAMETER=VALUE`, the same in every verb that takes a graph.
-void add_set_option(CLI::App& verb, std::vector<std::string>& sets);
-
-/// Accepts whole numbers in the range, in decimal digits; CLI11 itself wraps or clamps what does
-/// not fit and reads a leading 0 as octal.
-template <std::integral T>
-CLI::Validator whole_number(T least, T most) {
-  const auto read = [least, most](std::string& text) -> std::string {
-    T value{};
-    const char* text_end = text.data() + text.size();
-    const auto [end, error] = std::from_chars(text.data(), text_end, value);
-    if (error != std::errc{} || end != text_end || value < least || value > most)
-      return fmt::format("'{}' is not a whole number from {} to {}", text, least, most);
-    text = std::to_string(value);
-    return {};
-  };
-  return {read, ""};
-}
-
 /// Each adds its verb to the command.
-void add_check(CLI::App& app, Session& session);
-void add_modules(CLI::App& app, Session& session);
-void add_eval(CLI::App& app, Session& session);
-void add_predict(CLI::App& app, Session& session);
-void add_run(CLI::App& app, Session& session);
-void add_compare(CLI::App& app, Session& session);
-void add_calibrate(CLI::App& app);
-void add_graph(CLI::App& app, Session& session);
-void add_schema(CLI::App& app, Session& session);
+void add_check(Verb command, Session& session);
+void add_modules(Verb command, Session& session);
+void add_eval(Verb command, Session& session);
+void add_predict(Verb command, Session& session);
+void add_run(Verb command, Session& session);
+void add_compare(Verb command, Session& session);
+void add_calibrate(Verb command);
+void add_graph(Verb command, Session& session);
+void add_schema(Verb command, Session& session);
 
 /// Ends the command with a usage error where the file of an output option is one of the command's
 /// inputs, or is there already and no regular file; nothing is touched.

@@ -47,13 +47,24 @@ NormalizedError nees(const Estimate& estimate, std::span<const double> truth) {
 NormalizedError nis(const Estimate& a, const Estimate& b) {
   // The lineage of a - b rather than P_a + P_b - P_ab - P_ba: errors that they share cancel exactly
   // there, and leave no rounding that would pass for variance.
-  const auto m = static_cast<Eigen::Index>(a.dimension());
-  const Eigen::MatrixXd plus = Eigen::MatrixXd::Identity(m, m);
-  const Eigen::MatrixXd minus = -plus;
-  const LineageTerm terms[] = {{plus.data(), &a.lineage}, {minus.data(), &b.lineage}};
+  const Eigen::VectorXd apart = difference(a, b.value);
+  const std::span<const double> components(apart.data(), a.dimension());
+  const Eigen::MatrixXd by_a = difference_by_first(*a.type, components);
+  const Eigen::MatrixXd by_b = difference_by_second(*a.type, components);
+  const LineageTerm terms[] = {{by_a.data(), &a.lineage}, {by_b.data(), &b.lineage}};
   Lineage innovation;
   compose(terms, a.dimension(), innovation);
-  return normalized_squared_error(difference(a, b.value), innovation.covariance());
+  return normalized_squared_error(apart, innovation.covariance());
+}
+
+Eigen::MatrixXd independent_covariance(const Estimate& a, const Estimate& b) {
+  if (is_flat(*a.type)) return a.lineage.covariance() + b.lineage.covariance();
+  const Eigen::VectorXd apart = difference(a, b.value);
+  const std::span<const double> components(apart.data(), a.dimension());
+  const Eigen::MatrixXd by_a = difference_by_first(*a.type, components);
+  const Eigen::MatrixXd by_b = difference_by_second(*a.type, components);
+  return by_a * a.lineage.covariance() * by_a.transpose() +
+         by_b * b.lineage.covariance() * by_b.transpose();
 }
 
 Interval chi_square_interval(double degrees_of_freedom, double probability) {

@@ -25,11 +25,16 @@ struct NormalizedError {
 NormalizedError normalized_squared_error(const Eigen::VectorXd& error,
                                          const Eigen::MatrixXd& covariance);
 
-/// Normalised estimation error squared against the truth (values in the payload's order).
+/// Normalised estimation error squared against the truth (values in the payload's order). Of a
+/// rotation the error is the same in the tangent at either, so that it is exact.
 NormalizedError nees(const Estimate& estimate, std::span<const double> truth);
 
 /// Normalised innovation squared of two estimates of one thing, their shared errors accounted for.
 NormalizedError nis(const Estimate& a, const Estimate& b);
+
+/// The covariance of a ⊖ b where the errors of the two have nothing in common, whatever their
+/// sources are called.
+Eigen::MatrixXd independent_covariance(const Estimate& a, const Estimate& b);
 
 /// The interval that a chi-square variable lies in with the given probability, tails equal.
 struct Interval {

@@ -1,15 +1,38 @@
 #include "framework/estimate/distribution.h"
 
-#include <boost/random/normal_distribution.hpp>
-#include <boost/random/student_t_distribution.hpp>
 #include <cmath>
 #include <numbers>
 
 namespace ilss {
 namespace {
 
-/// In [0, 1).
-double draw_unit(RandomBits& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
+/// Of Student's t, with n degrees of freedom: a normal draw over the root of a chi-square one,
+/// which is twice a gamma one (Marsaglia & Tsang 2000, "A simple method for generating gamma
+/// variables"). @pre n > 2
+double draw_student_t(double n, RandomBits& random) {
+  const double normal = draw_normal(random);
+  const double d = n / 2 - 1.0 / 3;
+  const double c = 1 / std::sqrt(9 * d);
+  while (true) {
+    const double x = draw_normal(random);
+    const double root = 1 + c * x;
+    const double v = root * root * root;
+    const double u = draw_unit(random);
+    if (v > 0 && std::log(u) < x * x / 2 + d * (1 - v + std::log(v)))
+      return normal * std::sqrt(n / (2 * d * v));
+  }
+}
+
+/// The first coordinate of a point on the unit circle (arcsine law), without a sine: a point in the
+/// disc at twice its angle (von Neumann 1951).
+double draw_on_circle(RandomBits& random) {
+  while (true) {
+    const double x = draw_uniform(random, -1, 1);
+    const double y = draw_uniform(random, -1, 1);
+    const double square = x * x + y * y;
+    if (square > 0 && square < 1) return (x * x - y * y) / square;
+  }
+}
 
 }  // namespace
 
@@ -44,10 +67,6 @@ double half_width(Shape shape) {
   }
 }
 
-double draw_normal(RandomBits& random) {
-  return boost::random::normal_distribution<double>()(random);
-}
-
 double draw(const Distribution& distribution, RandomBits& random) {
   switch (distribution.shape) {
     case Shape::normal:
@@ -57,16 +76,14 @@ double draw(const Distribution& distribution, RandomBits& random) {
     case Shape::triangular:
       return half_width(Shape::triangular) * (draw_unit(random) - draw_unit(random));
     case Shape::arcsine:
-      return half_width(Shape::arcsine) * std::sin(std::numbers::pi * (draw_unit(random) - 0.5));
+      return half_width(Shape::arcsine) * draw_on_circle(random);
     case Shape::student_t: {
       const double n = distribution.degrees_of_freedom;
-      return boost::random::student_t_distribution<double>(n)(random) / std::sqrt(n / (n - 2));
+      return draw_student_t(n, random) / std::sqrt(n / (n - 2));
     }
     case Shape::empirical: {
       const auto& samples = *distribution.samples;
-      const auto at =
-          static_cast<std::size_t>(draw_unit(random) * static_cast<double>(samples.size()));
-      return samples[at];
+      return samples[draw_index(random, samples.size())];
     }
   }
   return 0;

@@ -26,10 +26,7 @@ std::string_view shape_name(Shape shape);
 /// What the half width of a bounded law is in standard deviations; 0 where it has none.
 double half_width(Shape shape);
 
-/// One draw of zero mean and unit variance.
+/// One draw of zero mean and unit variance; the same wherever the program is built (random.h).
 double draw(const Distribution& distribution, RandomBits& random);
-
-/// The same for a standard normal law, as Monte Carlo mostly wants it.
-double draw_normal(RandomBits& random);
 
 }  // namespace ilss

@@ -7,6 +7,7 @@
 
 #include "framework/estimate/angle.h"
 #include "framework/estimate/lineage.h"
+#include "framework/estimate/manifold.h"
 #include "framework/estimate/payload.h"
 
 namespace ilss {
@@ -30,12 +31,14 @@ struct Estimate {
   }
 };
 
-/// `estimate - truth` per component, the difference of circular components wrapped.
+/// estimate ⊖ truth (manifold.h).
 Eigen::VectorXd difference(const Estimate& estimate, std::span<const double> truth);
 
 /// The weighted sum of estimates of one payload; errors that they share add up, others average out.
-/// Circular components are combined near the first estimate's.
-/// @throws std::invalid_argument on no estimates, unequal types or frames, or counts that differ.
+/// Circular components are combined near the first estimate's; rotations have a mean only, of
+/// weights that add up to 1 (weighted_mean).
+/// @throws std::invalid_argument on no estimates, unequal types or frames, counts that differ, or
+/// other weights of rotations.
 Estimate linear_combination(std::span<const Estimate> estimates, std::span<const double> weights);
 
 /// Reads an estimate's values into its payload struct.

@@ -2,8 +2,10 @@
 // name, never by C++ identity, so that plug-ins, YAML and other hosts can have payloads too.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -17,7 +19,7 @@ struct Component {
   std::string unit;  ///< SI: "m", "rad", "1", ...
   std::string documentation;
   std::optional<double> default_value;
-  bool circular = false;
+  Geometry geometry = Geometry::plain;
 };
 
 /// A discrete value with its possible values.
@@ -26,11 +28,44 @@ struct Label {
   std::vector<std::string> values;
 };
 
-/// A large array that comes with the components: an image's grey levels, a scan's ranges. The noise
-/// of its elements is independent.
+/// What the numbers of samples are stored as.
+enum class SampleType : std::uint8_t { uint8, uint16, float32, float64 };
+
+/// "uint8", "uint16", "float32" or "float64".
+std::string_view sample_type_name(SampleType type);
+
+constexpr std::size_t bytes_of(SampleType type) {
+  return type == SampleType::uint8     ? 1
+         : type == SampleType::uint16  ? 2
+         : type == SampleType::float32 ? 4
+                                       : 8;
+}
+
+/// One quantity of every sample: a beam's range, an image's grey level.
+struct SampleColumn {
+  std::string name;
+  std::string unit;  ///< SI: "m", "rad", "1", ...
+  std::string documentation;
+  SampleType type = SampleType::float64;
+  std::size_t count = 1;        ///< numbers side by side: an image's channels, a gradient's parts
+  bool may_be_missing = false;  ///< NaN where a sample has none; otherwise always finite
+
+  std::size_t bytes() const { return count * bytes_of(type); }
+};
+
+/// A large array that comes with the components: an image's grey levels, a scan's readings. The
+/// noise of its elements is independent. Samples stand one after another, row-major by the axes,
+/// each with its columns in their order and without gaps.
 struct SamplesDescriptor {
-  std::string unit;
-  std::vector<std::string> axes;  ///< what each index counts: {"row", "column"}
+  std::vector<std::string> axes;  ///< what each index counts: {"row", "column"}, {"beam"}
+  std::vector<SampleColumn> columns;
+
+  /// Of one sample.
+  std::size_t bytes() const {
+    std::size_t sum = 0;
+    for (const SampleColumn& column : columns) sum += column.bytes();
+    return sum;
+  }
 };
 
 /// A payload's type. `element` names the payloads that a set's elements may have, empty where it is
@@ -57,11 +92,13 @@ struct PayloadDescriptor {
 /// module is connected.
 const PayloadDescriptor& any_payload();
 
-/// Whether two payloads of one name are one: the same components, units and labels.
+/// Whether two payloads are one: the same name, components, units, geometry, labels, samples and
+/// elements.
 bool same_payload(const PayloadDescriptor& a, const PayloadDescriptor& b);
 
 /// The descriptor to use for a payload that is made at run time, such as one that a graph defines:
 /// equal ones are one object, which lives as long as the program. Thread-safe.
+/// @throws std::invalid_argument where components of a rotation are not three in a row, in radians.
 const PayloadDescriptor& intern_payload(PayloadDescriptor payload);
 
 /// The descriptor of a struct payload, made from its `name` and `fields` (and `labels`,
@@ -76,7 +113,7 @@ const PayloadDescriptor& descriptor() {
     if constexpr (requires { P::documentation; }) d.documentation = P::documentation;
     for (const Field& field : P::fields) {
       Component c{std::string(field.name), std::string(field.unit),
-                  std::string(field.documentation), std::nullopt, field.circular};
+                  std::string(field.documentation), std::nullopt, field.geometry};
       if (field.default_value == field.default_value) c.default_value = field.default_value;
       d.components.push_back(std::move(c));
     }

@@ -65,7 +65,7 @@ Cluster clusters_of(const Plan& plan) {
 }
 
 /// Shape and colours that tell the kinds apart, in print as well.
-std::string_view look_of(ModuleKind kind) {
+std::string_view style_of(ModuleKind kind) {
   switch (kind) {
     case ModuleKind::sensor:
       return R"(shape=cds, fillcolor="#d7ebf7", color="#2b6c99")";
@@ -93,7 +93,7 @@ std::string node_text(const Plan& plan, std::size_t i) {
   if (node.time)
     lines += fmt::format("<br/><font point-size=\"9\">{}</font>", milliseconds(*node.time));
   return fmt::format("n{} [label=<{}>, tooltip={}, {}];", i, lines,
-                     in_quotes(node.type->description), look_of(node.type->kind));
+                     in_quotes(node.type->description), style_of(node.type->kind));
 }
 
 void write_cluster(const Plan& plan, const Cluster& cluster, const std::string& path, int depth,

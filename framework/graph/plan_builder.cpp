@@ -333,7 +333,7 @@ Instance PlanBuilder::read_module(const Node& key, Node module, const std::strin
     module.keys.erase(found);
   }
   module.position = key.position;
-  check_keys(module, type->declarations, type->name, diagnostics_);
+  check_keys(module, type->declarations, type->name, diagnostics_, type->moved_parameters);
   if (type->takes_quantities)
     node.settings.quantities =
         declare_quantities(module, constants, override_constants, node.readable);
@@ -418,7 +418,7 @@ const PayloadDescriptor* PlanBuilder::declare_quantities(
   if (map != nullptr && !map->is_map() && !map->is_null())
     diagnostics_.add(map->position, "expected a map of names to values, got " + map->description());
   // What is wrong with a value is said where it is read as a parameter.
-  Diagnostics said_later;
+  Diagnostics unreported;
   for (std::size_t i = 0; map != nullptr && i < map->keys.size(); ++i) {
     const Node& value = map->values[i];
     const std::string name = "quantities." + map->keys[i].text;
@@ -427,12 +427,12 @@ const PayloadDescriptor* PlanBuilder::declare_quantities(
     if (value.is_scalar() && value.text.starts_with('$')) {
       if (const ConstantElement* constant = names->find(value.text.substr(1)))
         unit = constant->quantity.unit;
-    } else if (const auto quantity = read_quantity(value, said_later)) {
+    } else if (const auto quantity = read_quantity(value, unreported)) {
       unit = quantity->unit;
     }
     if (unit) unit = si_unit(*unit);
     readable &= unit.has_value();
-    quantities.components.push_back({name, unit.value_or("1"), "", {}, false});
+    quantities.components.push_back({name, unit.value_or("1"), "", {}});
   }
   return &intern_payload(std::move(quantities));
 }
@@ -454,6 +454,7 @@ void PlanBuilder::read_parameters(const Node& module, const Constants& constants
     }
     read_parameter(*value, i, *constants_of(component.name, constants, override_constants), node);
   }
+  normalize(parameters, node.parameters.value);
 }
 
 void PlanBuilder::read_parameter(const Node& value, std::size_t component,
@@ -461,8 +462,7 @@ void PlanBuilder::read_parameter(const Node& value, std::size_t component,
   const Component& declared = parameters_of(node).components[component];
   const auto store = [&](const WrittenQuantity& quantity) -> std::optional<SiQuantity> {
     const auto si = to_si(quantity, declared.unit, diagnostics_);
-    if (si)
-      node.parameters.value[component] = declared.circular ? wrap_angle(si->value) : si->value;
+    if (si) node.parameters.value[component] = si->value;
     return si;
   };
   if (value.is_scalar() && value.text.starts_with('$')) {

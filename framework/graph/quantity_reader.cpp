@@ -55,7 +55,7 @@ std::optional<double> read_width(const Node& node, std::string_view name,
 }
 
 /// A standard deviation of so many degrees of freedom counts as known.
-constexpr double as_good_as_known = 1e6;
+constexpr double practically_infinite_degrees = 1e6;
 
 /// Scales values to zero mean and unit variance, which were `deviation` before; tells what is wrong
 /// with them, or nothing.
@@ -142,7 +142,7 @@ void read_law(const Node& map, WrittenQuantity& quantity, Diagnostics& diagnosti
         !(std::get<double>(number) >= 1))
       diagnostics.add(degrees->position, "expected degrees of freedom, a number from 1 up, got " +
                                              degrees->description());
-    else if (std::get<double>(number) < as_good_as_known)
+    else if (std::get<double>(number) < practically_infinite_degrees)
       quantity.degrees_of_freedom = std::get<double>(number);
   }
   if (law == nullptr) return;

@@ -7,6 +7,8 @@
 #include <stdexcept>
 
 #include "framework/graph/guarded.h"
+#include "framework/module/carried_correlation.h"
+#include "framework/module/contract.h"
 
 namespace ilss {
 namespace {
@@ -37,20 +39,6 @@ StandIn make_module(std::size_t index, const PlanNode& node, const StandIns& sta
   } catch (...) {
     return broken("cannot be created");
   }
-}
-
-/// Whether a sensor or estimator kept its contract: as many numbers as its payload says, and finite
-/// ones with finite errors. Closed formulas are checked where they are made.
-[[gnu::noinline]] bool keeps_contract(const Estimate& estimate, std::size_t dimension,
-                                      std::size_t labels) {
-  if (estimate.value.size() != dimension || estimate.lineage.dimension() != dimension ||
-      estimate.labels.size() != labels)
-    return false;
-  double zero = 0;  // NaN once anything is not finite
-  for (const double value : estimate.value) zero += 0 * value;
-  for (std::size_t k = 0; k < estimate.lineage.size(); ++k)
-    for (const double sensitivity : estimate.lineage.column(k)) zero += 0 * sensitivity;
-  return zero == 0;
 }
 
 }  // namespace
@@ -118,10 +106,9 @@ void System::connect(std::size_t i) {
   const PlanNode& node = plan_->nodes[i];
   NodeState& state = nodes_[i];
   state.own_.estimate = Estimate(*node.interface.output, node.frame);
-  state.dimension_ = static_cast<std::uint32_t>(node.interface.output->dimension());
-  state.label_count_ = static_cast<std::uint32_t>(node.interface.output->labels.size());
   state.is_checked_ = node.type->checked && !state.is_given_;
-  state.correlation_unknown_ = node.correlation_unknown;
+  state.has_parts_ = node.interface.output->samples || !node.interface.output->element.empty();
+  state.correlation_unknown_ = node.correlation_unknown && !state.is_given_;
   if (state.is_given_) return;
   state.selects_ = node.type->selects;
   for (const PlanInput& input : node.inputs) {
@@ -173,7 +160,8 @@ void System::start_tick(Time time) {
           .owner = static_cast<std::uint32_t>(i),
           .parameters = plan_->nodes[i].parameters,
           .inputs = state.inputs_,
-          .correlation_unknown = state.correlation_unknown_};
+          .correlation_unknown = state.correlation_unknown_,
+          .run_seed = state.seed_};
 }
 
 void System::evaluate(Time time) {
@@ -243,16 +231,18 @@ void System::report_stale(std::size_t i) {
   state.has_value = false;
 }
 
+/// Whether what a module gave is as its payload declares; what is checked where it is made need not
+/// be looked at again.
+[[gnu::always_inline]] inline bool System::keeps_contract(std::size_t i) const {
+  const NodeState& state = nodes_[i];
+  const PayloadDescriptor& payload = *plan_->nodes[i].interface.output;
+  if (!state.is_checked_) return find_breach(state.own_, payload) == Breach::none;
+  return !state.has_parts_ || find_breach_in_parts(state.own_, payload) == Breach::none;
+}
+
 void System::reject_output(std::size_t i) {
   NodeState& state = nodes_[i];
-  const Estimate& estimate = state.own_.estimate;
-  const bool complete = estimate.value.size() == state.dimension_ &&
-                        estimate.lineage.dimension() == state.dimension_ &&
-                        estimate.labels.size() == state.label_count_;
-  state.outcome =
-      complete ? Fault{FaultKind::not_finite, "a value or its error is not finite"}
-               : Fault{FaultKind::internal, "the output has other components or labels than " +
-                                                plan_->nodes[i].interface.output->name};
+  state.outcome = describe_breach(state.own_, *plan_->nodes[i].interface.output);
   state.origin = i;
   state.has_value = false;
 }
@@ -269,8 +259,7 @@ template <typename Call>
   }
   if (state.outcome.has_output()) {
     const Estimate& estimate = state.own_.estimate;
-    if (!state.is_checked_ && !keeps_contract(estimate, state.dimension_, state.label_count_))
-      return reject_output(i);
+    if (!keeps_contract(i)) return reject_output(i);
     state.fresh = true;
     state.has_value = true;
     if (estimate.lineage.size() > estimate.dimension() && worth_folding(i)) fold(i);
@@ -278,6 +267,12 @@ template <typename Call>
     state.origin = i;
     state.has_value = false;
   }
+}
+
+template <typename Call>
+[[gnu::always_inline]] inline Outcome<> System::carry(std::size_t i, Call call) {
+  const Evaluation e = evaluation(i);
+  return carry_correlation(*plan_->nodes[i].type, e, nodes_[i].own_, [&] { return call(e); });
 }
 
 void System::evaluate_node(std::size_t i, NodeObserver* observer) {
@@ -291,9 +286,14 @@ void System::evaluate_node(std::size_t i, NodeObserver* observer) {
   if (state.has_data_clock_ && awaits_data(i)) {
     state.outcome = Pending{};
   } else if (expects_) [[unlikely]] {
-    call_module(i, [&] { return state.module->expect(evaluation(i), nullptr, state.own_); });
+    call_module(i, [&] {
+      return carry(
+          i, [&](const Evaluation& e) { return state.module->expect(e, nullptr, state.own_); });
+    });
   } else {
-    call_module(i, [&] { return state.module->evaluate(evaluation(i), state.own_); });
+    call_module(i, [&] {
+      return carry(i, [&](const Evaluation& e) { return state.module->evaluate(e, state.own_); });
+    });
   }
   if (state.outcome.is_pending()) state.own_.acquired = held;
 }

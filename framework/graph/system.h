@@ -49,9 +49,8 @@ struct NodeState {
   std::vector<Feed> feeds_;
   std::vector<const Output*> inputs_;  ///< the feeds' outputs
   std::uint64_t seed_ = 0;
-  std::uint32_t dimension_ = 0;    ///< of its payload, ...
-  std::uint32_t label_count_ = 0;  ///< ... which the module is held to, ...
-  bool is_checked_ = false;        ///< ... unless it is held to it where it is made
+  bool is_checked_ = false;  ///< its estimate, where it is made
+  bool has_parts_ = false;   ///< samples or elements
   bool correlation_unknown_ = false;
   bool is_given_ = false;
   bool selects_ = false;
@@ -157,6 +156,9 @@ class System {
   Evaluation evaluation(std::size_t i) const;
   template <typename Call>
   void call_module(std::size_t i, Call call);
+  template <typename Call>
+  Outcome<> carry(std::size_t i, Call call);
+  bool keeps_contract(std::size_t i) const;
   void fold(std::size_t i);
   [[gnu::noinline]] void select(std::size_t i, NodeObserver* observer);
   bool awaits_data(std::size_t i);

@@ -186,7 +186,7 @@ std::optional<GivenEstimate> read_estimate(const Node& node, const PayloadDescri
     }
     const auto si = to_si((*written)[i], component.unit, diagnostics);
     if (!si) continue;
-    given.estimate.value[i] = component.circular ? wrap_angle(si->value) : si->value;
+    given.estimate.value[i] = si->value;
     scale[static_cast<Eigen::Index>(i)] = si->scale;
     const auto& standard_deviation = (*written)[i].standard_deviation;
     if (!standard_deviation) continue;
@@ -217,6 +217,7 @@ std::optional<GivenEstimate> read_estimate(const Node& node, const PayloadDescri
     }
   }
   if (diagnostics.size() != errors) return std::nullopt;
+  normalize(payload, given.estimate.value);
   return given;
 }
 

@@ -29,7 +29,7 @@ Instance Wiring::wire(const Expression& network, Scope& scope) {
   return system;
 }
 
-bool Wiring::knows_all(const Flow& flow) {
+bool Wiring::is_known(const Flow& flow) {
   return flow.counted && std::none_of(flow.outputs.begin(), flow.outputs.end(),
                                       [](const PlanInput& i) { return i.node == unknown_node; });
 }
@@ -97,7 +97,7 @@ void Wiring::connect(std::size_t node, const Expression& expression, const Flow&
     inputs = feed.outputs;
     return;
   }
-  if (!knows_all({inputs, connection.counted}) || !knows_all(feed)) return;
+  if (!is_known({inputs, connection.counted}) || !is_known(feed)) return;
   if (!same_inputs(inputs, feed.outputs))
     diagnostics_.add(expression.position,
                      fmt::format("'{}' has its inputs already from line {}; an instance is "
@@ -138,12 +138,12 @@ std::vector<std::size_t> Wiring::evaluation_order() {
 
 void Wiring::report_cycles(const std::vector<std::size_t>& waiting_for) {
   // Walking back along nodes that still wait ends in a cycle, or where an earlier walk has been.
-  std::vector<std::size_t> walk_of(nodes_.size(), 0);
+  std::vector<std::size_t> visited_by(nodes_.size(), 0);
   for (std::size_t start = 0; start < nodes_.size(); ++start) {
     std::vector<std::size_t> path;
     std::size_t at = start;
-    while (waiting_for[at] != 0 && walk_of[at] == 0) {
-      walk_of[at] = start + 1;
+    while (waiting_for[at] != 0 && visited_by[at] == 0) {
+      visited_by[at] = start + 1;
       path.push_back(at);
       for (const PlanInput& input : nodes_[at].inputs)
         if (input.node != unknown_node && waiting_for[input.node] != 0) {
@@ -151,7 +151,7 @@ void Wiring::report_cycles(const std::vector<std::size_t>& waiting_for) {
           break;
         }
     }
-    if (path.empty() || walk_of[at] != start + 1) continue;
+    if (path.empty() || visited_by[at] != start + 1) continue;
     std::vector<std::string> names = {nodes_[at].name};
     for (std::size_t i = path.size(); i-- > 0;) {
       names.push_back(nodes_[path[i]].name);
@@ -193,11 +193,11 @@ void Wiring::check_connections(const std::vector<std::size_t>& order) {
 }
 
 void Wiring::check_payload_names(const std::vector<std::size_t>& order) {
-  std::map<std::string_view, std::size_t> giver;
+  std::map<std::string_view, std::size_t> producer_of;
   for (const std::size_t index : order) {
     const PlanNode& node = nodes_[index];
     if (node.interface.output == nullptr) continue;
-    const auto [first, fresh] = giver.emplace(node.interface.output->name, index);
+    const auto [first, fresh] = producer_of.emplace(node.interface.output->name, index);
     const PlanNode& other = nodes_[first->second];
     if (fresh || same_payload(*other.interface.output, *node.interface.output)) continue;
     diagnostics_.add(node.position,

@@ -59,7 +59,7 @@ class Wiring {
     Position position = {};
   };
 
-  static bool knows_all(const Flow& flow);
+  static bool is_known(const Flow& flow);
   Flow follow(const Expression& expression, const Flow& feed, Scope& scope);
   Flow follow_name(const Expression& expression, const Flow& feed, Scope& scope);
   void connect(std::size_t node, const Expression& expression, const Flow& feed);

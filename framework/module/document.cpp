@@ -171,7 +171,7 @@ class TreeBuilder : public YAML::EventHandler {
     level.skips_value = true;
     if (!key.is_scalar()) {
       diagnostics_.add(key.position, "a key must be a word, not " + key.description());
-    } else if (!is_new(level, key.text)) {
+    } else if (!is_unused_key(level, key.text)) {
       diagnostics_.add(key.position, fmt::format("duplicate key '{}'; first given in line {}",
                                                  key.text, first_line(level.node, key.text)));
     } else {
@@ -179,7 +179,7 @@ class TreeBuilder : public YAML::EventHandler {
       level.skips_value = false;
     }
   }
-  static bool is_new(Level& level, const std::string& key) {
+  static bool is_unused_key(Level& level, const std::string& key) {
     constexpr std::size_t few = 16;  // below it a linear search is faster than hashing
     if (level.node.keys.size() < few)
       return std::none_of(level.node.keys.begin(), level.node.keys.end(),

@@ -2,8 +2,10 @@
 // errors propagate by automatic differentiation.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
@@ -12,6 +14,12 @@
 
 namespace ilss {
 namespace internal {
+
+template <template <typename> class Payload>
+constexpr bool has_rotation = std::any_of(Payload<double>::fields.begin(),
+                                          Payload<double>::fields.end(), [](const Field& field) {
+                                            return field.geometry == Geometry::rotation;
+                                          });
 
 template <template <typename> class Out, template <typename> class... In>
 struct FormulaSignature {
@@ -23,6 +31,7 @@ struct FormulaSignature {
   static constexpr std::array<std::size_t, sizeof...(In)> dimensions = {dimension_of<In>...};
   static std::vector<const PayloadDescriptor*> descriptors() { return {&descriptor<In>()...}; }
   static const PayloadDescriptor& output() { return descriptor<Out>(); }
+  static constexpr bool any_rotation = has_rotation<Out> || (has_rotation<In> || ...);
 };
 
 template <typename F, template <typename> class Out, template <typename> class... In>
@@ -65,17 +74,11 @@ class FunctionModule final : public Module {
 
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override {
     bool any_error = false;
-    bool unknown = evaluation.correlation_unknown;
-    for (std::size_t i = 0; i < input_count; ++i) {
-      any_error |= !evaluation.input(i).lineage.empty();
-      unknown |= evaluation.input(i).correlation_unknown;
-    }
-    Outcome<> outcome = has_parameters && !evaluation.parameters.lineage.empty()
-                            ? evaluate_linearized<0>(evaluation, output)
-                        : any_error ? evaluate_linearized<parameter_columns>(evaluation, output)
-                                    : evaluate_value(evaluation, output);
-    if (outcome) output.estimate.correlation_unknown = unknown;
-    return outcome;
+    for (std::size_t i = 0; i < input_count; ++i) any_error |= !evaluation.input(i).lineage.empty();
+    return has_parameters && !evaluation.parameters.lineage.empty()
+               ? evaluate_linearized<0>(evaluation, output)
+           : any_error ? evaluate_linearized<parameter_columns>(evaluation, output)
+                       : evaluate_value(evaluation, output);
   }
 
   /// The Jacobian by automatic differentiation, whatever the formula offers (rows x all arguments,
@@ -149,6 +152,7 @@ class FunctionModule final : public Module {
     if (value.is_pending()) return Pending{};
     const auto scalars = components(std::as_const(*value));
     output.estimate.value.assign(scalars.begin(), scalars.end());
+    if constexpr (Signature::any_rotation) normalize(Signature::output(), output.estimate.value);
     output.estimate.lineage.reset(rows);
     copy_labels(*value, output);
     return check_finite(output);
@@ -178,6 +182,12 @@ class FunctionModule final : public Module {
       copy_labels(*value, output);
     }
     output.estimate.value.assign(linear.value.begin(), linear.value.end());
+    if constexpr (Signature::any_rotation) {
+      if (derivatives != linear.jacobian.data())
+        std::copy_n(derivatives, rows * columns, linear.jacobian.begin());
+      derivatives = linear.jacobian.data();
+      take_tangents<First>(evaluation, output.estimate, linear.jacobian);
+    }
     std::array<LineageTerm, Signature::arguments> terms;
     std::size_t count = 0;
     std::size_t column = 0;
@@ -207,11 +217,31 @@ class FunctionModule final : public Module {
         double_arguments(evaluation));
   }
 
+  /// Makes Jacobians by components those by errors, where a rotation's are not the same.
+  template <std::size_t First>
+  static void take_tangents(const Evaluation& evaluation, Estimate& result,
+                            std::span<double> jacobian) {
+    std::size_t column = 0;
+    for (std::size_t a = 0; a < Signature::arguments; ++a) {
+      const std::size_t count = Signature::dimensions[a];
+      if (column >= First)
+        jacobian_of_errors(Signature::output(), result.value, *Signature::descriptors()[a],
+                           argument(evaluation, a).value,
+                           jacobian.subspan(rows * (column - First), rows * count));
+      column += count;
+    }
+    normalize(Signature::output(), result.value);
+  }
+
   template <typename Payload>
   static void copy_labels([[maybe_unused]] const Payload& payload,
                           [[maybe_unused]] Output& output) {
-    if constexpr (requires { payload.label; })
+    if constexpr (requires { payload.label; }) {
+      for (std::size_t i = 0; i < payload.label.size(); ++i)
+        if (static_cast<std::size_t>(payload.label[i]) >= Payload::labels[i].values.size())
+          throw std::logic_error("the formula's label is none that its payload declares");
       output.estimate.labels.assign(payload.label.begin(), payload.label.end());
+    }
   }
 
   /// Of all sensitivities, in four sums that do not wait for each other.

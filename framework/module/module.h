@@ -25,11 +25,17 @@ struct Evaluation {
   const Estimate& parameters;             ///< the module's quantities, in declared order
   std::span<const Output* const> inputs;  ///< in declared order; never null
   bool correlation_unknown = false;       ///< of some two inputs, whatever their lineages say
+  std::uint64_t run_seed = 0;             ///< of this module in this run, the same at every tick
 
   /// A source of this module at this tick.
   Source fresh(std::uint32_t column) const { return {owner, column, tick}; }
   const Estimate& input(std::size_t i) const { return inputs[i]->estimate; }
   RandomBits random() const { return RandomBits(seed); }
+  /// The module's seed at any tick: what lasts longer than one follows from its first, so that it
+  /// does not depend on which tick was asked first.
+  std::uint64_t seed_at(std::int64_t other) const {
+    return derive_seed(run_seed, static_cast<std::uint64_t>(other));
+  }
 };
 
 /// A command's value as declared: a quantity (in the SI unit) or number is a double, a text or

@@ -63,6 +63,7 @@ struct ModuleType {
   const PayloadDescriptor* parameters = nullptr;  ///< quantities; never null once registered
   std::vector<ParameterDeclaration> options;
   std::vector<ParameterDeclaration> declarations;  ///< quantities and options; set by the registry
+  std::vector<MovedParameter> moved_parameters;
   std::vector<FaultKind> faults;
   std::vector<CommandDeclaration> commands;
   bool takes_quantities = false;  ///< any named values of the graph, under `quantities:`
@@ -77,7 +78,8 @@ struct ModuleType {
   /// Its output is a statement about its inputs that has no error of its own, such as a test's.
   bool states_no_error = false;
   bool selects = false;  ///< a Selector: its inputs are branches, evaluated on demand
-  /// Its outputs are checked where they are made: finite, with as many numbers as its payload has.
+  /// Its estimates are checked where they are made: finite, with the components and labels of its
+  /// payload.
   bool checked = false;
 
   /// The interface under given settings; with default settings for documentation.
@@ -106,13 +108,15 @@ concept HasOptions = requires {
 };
 
 /// Fills in what functions, sensors and estimators declare alike as static members of M: `name`,
-/// `description`, `reference`, `faults`, `commands()`, Parameters and Options.
+/// `description`, `reference`, `faults`, `moved_parameters`, `commands()`, Parameters and Options.
 template <typename M>
 void fill_declarations(ModuleType& type) {
   type.name = M::name;
   type.description = M::description;
   if constexpr (requires { M::reference; }) type.reference = M::reference;
   if constexpr (requires { M::faults; }) type.faults.assign(M::faults.begin(), M::faults.end());
+  if constexpr (requires { M::moved_parameters; })
+    type.moved_parameters.assign(M::moved_parameters.begin(), M::moved_parameters.end());
   if constexpr (requires { M::commands(); }) type.commands = M::commands();
   if constexpr (requires { M::remembers; }) type.remembers = M::remembers;
   if constexpr (requires { M::weighs_errors; }) type.weighs_errors = M::weighs_errors;
@@ -145,8 +149,8 @@ typename M::Options options_of(const Settings& settings) {
 
 /// The type of a sensor, an estimator, or a function of any payload: a class M derived from Module
 /// with static `name`, `description`, `kind` and `Interface interface()` (or `interface(const
-/// Options&)`), optionally `reference`, `faults`, `commands()`, `remembers`, `severs`, `checked`,
-/// `weighs_errors`, `states_no_error`, `resolve(const Connections&,
+/// Options&)`), optionally `reference`, `faults`, `moved_parameters`, `commands()`, `remembers`,
+/// `severs`, `checked`, `weighs_errors`, `states_no_error`, `resolve(const Connections&,
 /// Settings&, Interface&)`, `template <typename T> struct Parameters` and `struct Options`;
 /// constructed from its Options where it has them.
 template <typename M>

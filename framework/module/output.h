@@ -1,21 +1,21 @@
 // A module's output: the data half of its characteristic output vector.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <vector>
 
-#include "framework/estimate/estimate.h"
+#include "framework/module/elements.h"
 #include "framework/module/time.h"
 
 namespace ilss {
 
-/// A large array whose elements have independent noise. `levels` holds 8-bit data (images),
-/// `values` everything else; row-major over `shape`. `standard_deviations` has one entry per
-/// element, one for all, or none where the noise is not modelled.
+/// A large array whose elements have independent noise: `bytes` holds them as the payload's
+/// SamplesDescriptor says, row-major over `shape`, and only rows_of and make_rows look into these.
+/// `standard_deviations` has one entry per sample, one for all, or none where the noise is not
+/// modelled.
 struct Samples {
   std::vector<std::size_t> shape;
-  std::vector<std::uint8_t> levels;
-  std::vector<double> values;
+  std::vector<std::byte> bytes;
   std::vector<double> standard_deviations;
 };
 
@@ -24,7 +24,7 @@ struct Samples {
 struct Output {
   Estimate estimate;
   Samples samples = {};
-  std::vector<Estimate> elements = {};
+  Elements elements = {};
   Acquisition acquired = {};  ///< when the data in it were acquired
 };
 

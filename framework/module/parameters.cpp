@@ -106,18 +106,23 @@ void merge_declarations(std::vector<ParameterDeclaration>& declarations,
 }
 
 void check_keys(const Node& map, const std::vector<ParameterDeclaration>& declarations,
-                std::string_view owner, Diagnostics& diagnostics) {
+                std::string_view owner, Diagnostics& diagnostics,
+                const std::vector<MovedParameter>& moved) {
   for (std::size_t i = 0; i < map.keys.size(); ++i) {
     const Node& key = map.keys[i];
     const auto found =
         std::find_if(declarations.begin(), declarations.end(),
                      [&](const ParameterDeclaration& d) { return d.name == key.text; });
     if (found == declarations.end()) {
+      const auto elsewhere = std::find_if(
+          moved.begin(), moved.end(), [&](const MovedParameter& m) { return m.name == key.text; });
       std::vector<std::string> names;
       names.reserve(declarations.size());
       for (const ParameterDeclaration& d : declarations) names.push_back(d.name);
-      diagnostics.add(key.position, fmt::format("{} has no parameter '{}'{}", owner, key.text,
-                                                suggestion(key.text, names)));
+      diagnostics.add(key.position,
+                      fmt::format("{} has no parameter '{}'{}", owner, key.text,
+                                  elsewhere != moved.end() ? fmt::format(": {}", elsewhere->advice)
+                                                           : suggestion(key.text, names)));
       continue;
     }
     check_value_keys(map.values[i], *found, owner, diagnostics);

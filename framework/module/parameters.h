@@ -55,9 +55,17 @@ std::vector<ParameterDeclaration> quantity_declarations(const PayloadDescriptor&
 void merge_declarations(std::vector<ParameterDeclaration>& declarations,
                         std::vector<ParameterDeclaration> more);
 
-/// Reports keys of `map` that no declaration names. `owner` is for the message: "sonar".
+/// A parameter that stands elsewhere today, and what to tell who still gives it.
+struct MovedParameter {
+  std::string_view name;
+  std::string_view advice;  ///< follows "has no parameter 'mount': "
+};
+
+/// Reports keys of `map` that no declaration names, with the advice on those that were moved.
+/// `owner` is for the message: "sonar".
 void check_keys(const Node& map, const std::vector<ParameterDeclaration>& declarations,
-                std::string_view owner, Diagnostics& diagnostics);
+                std::string_view owner, Diagnostics& diagnostics,
+                const std::vector<MovedParameter>& moved = {});
 
 /// What is special about an option.
 struct OptionAttributes {

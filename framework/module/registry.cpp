@@ -44,7 +44,8 @@ void Registry::add_payload(const PayloadDescriptor& payload) {
   if (fresh) return;
   if (!same_payload(*place->second, payload))
     throw std::invalid_argument(fmt::format(
-        "payload '{}' is declared twice, with different components or labels", payload.name));
+        "payload '{}' is declared twice, with different components, labels, samples or elements",
+        payload.name));
 }
 
 const ModuleType* Registry::find(std::string_view name) const {

@@ -23,7 +23,7 @@ class Registry {
       add(function_type<M>());
   }
   /// @throws std::invalid_argument if the name is taken, a payload of one of the type's names has
-  ///         other components, or its commands cannot be declared so.
+  ///         other components, labels, samples or elements, or its commands cannot be declared so.
   void add(ModuleType type);
 
   const ModuleType* find(std::string_view name) const;

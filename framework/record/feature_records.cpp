@@ -87,12 +87,12 @@ Outcome<int> find_label(std::string_view value, const Label& label) {
   return static_cast<int>(found - label.values.begin());
 }
 
-/// A component's value, angles wrapped. Fault: bad_data where an angle is more than a turn.
+/// A component's value, angles of circles wrapped. Fault: bad_data where one is more than a turn.
 Outcome<double> checked_value(double value, const Component& component) {
-  if (!component.circular) return value;
+  if (component.geometry == Geometry::plain) return value;
   if (!(std::abs(value) <= 2 * std::numbers::pi))
     return bad(fmt::format("{} is {} rad, more than a turn", component.name, value));
-  return wrap_angle(value);
+  return component.geometry == Geometry::circular ? wrap_angle(value) : value;
 }
 
 Outcome<RecordedTime> time_of(std::int64_t tick, double time, double acquired) {

@@ -18,6 +18,23 @@ Json matrix_json(const Eigen::MatrixXd& matrix) {
   return rows;
 }
 
+/// The shape, whose last index counts the numbers of a sample where it has more than one, and what
+/// they are.
+Json samples_json(const Samples& samples, const SamplesDescriptor& declared) {
+  std::vector<std::size_t> shape = samples.shape;
+  Json columns = Json::array();
+  std::size_t count = 0;
+  for (const SampleColumn& column : declared.columns) {
+    count += column.count;
+    columns.push_back({{"name", column.name},
+                       {"unit", column.unit},
+                       {"type", sample_type_name(column.type)},
+                       {"count", column.count}});
+  }
+  if (count > 1) shape.push_back(count);
+  return {{"shape", shape}, {"columns", std::move(columns)}};
+}
+
 /// What was found on an estimate's first-order error.
 void add_verdict(const Estimate& estimate, const VerdictReport* verdict, Json& json) {
   json["verdict"] = nullptr;
@@ -37,7 +54,8 @@ void add_verdict(const Estimate& estimate, const VerdictReport* verdict, Json& j
 Json one_output_json(const Output& output, const SourceOwners& owners,
                      const VerdictReport* verdict) {
   Json json = estimate_json(output.estimate, owners, verdict);
-  if (!output.samples.shape.empty()) json["samples"] = {{"shape", output.samples.shape}};
+  if (output.estimate.type->samples && !output.samples.shape.empty())
+    json["samples"] = samples_json(output.samples, *output.estimate.type->samples);
   if (!output.estimate.type->element.empty()) {
     VerdictReport of_set;
     if (verdict != nullptr) of_set.verdict = verdict->verdict;

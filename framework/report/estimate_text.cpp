@@ -32,8 +32,8 @@ std::string correlations_text(const Estimate& estimate) {
   for (Eigen::Index i = 0; i < covariance.rows(); ++i)
     for (Eigen::Index j = i + 1; j < covariance.cols(); ++j) {
       const double scale = std::sqrt(covariance(i, i) * covariance(j, j));
-      constexpr double worth_showing = 0.005;
-      if (scale <= 0 || std::abs(covariance(i, j)) < worth_showing * scale) continue;
+      constexpr double least_shown_correlation = 0.005;
+      if (scale <= 0 || std::abs(covariance(i, j)) < least_shown_correlation * scale) continue;
       const auto& components = estimate.type->components;
       text += fmt::format("{}{},{} {:+.2f}", text.empty() ? "  correlation  " : "   ",
                           components[static_cast<std::size_t>(i)].name,

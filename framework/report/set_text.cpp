@@ -28,7 +28,6 @@ std::string samples_text(const Output& output) {
   std::string text;
   for (std::size_t axis = 0; axis < samples->axes.size(); ++axis) {
     const std::string& name = samples->axes[axis];
-    if (name == "quantity") continue;  // the numbers of one sample
     const std::size_t size = output.samples.shape[axis];
     text += fmt::format("{}{} {}{}", text.empty() ? "" : " x ", size, name, size == 1 ? "" : "s");
   }

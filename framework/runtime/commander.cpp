@@ -27,10 +27,10 @@ void Commander::give_due(System& system, Time time) {
   give_driven(system);
   for (; next_ < scheduled_.size() && scheduled_[next_].time <= time; ++next_) {
     ScheduledCommand& due = scheduled_[next_];
-    give_one(system, due.command,
-             {.name = plan_->commands[due.command].declaration->name,
-              .value = std::move(due.value),
-              .time = std::min(std::max(due.time, last_tick_), time)});
+    give_instruction(system, due.command,
+                     {.name = plan_->commands[due.command].declaration->name,
+                      .value = std::move(due.value),
+                      .time = std::min(std::max(due.time, last_tick_), time)});
   }
 }
 
@@ -38,16 +38,16 @@ void Commander::give_driven(System& system) {
   for (Drive& drive : drives_) {
     const NodeState& driver = system.node(drive.from.node);
     if (!driver.fresh) continue;
-    drive.to_give.time = last_tick_;
-    drive.to_give.value = driver.output().estimate.value[drive.from.component];
-    give_one(system, drive.command, drive.to_give);
+    drive.instruction.time = last_tick_;
+    drive.instruction.value = driver.output().estimate.value[drive.from.component];
+    give_instruction(system, drive.command, drive.instruction);
   }
 }
 
-void Commander::give_one(System& system, std::size_t command, const Command& to_give) {
-  Outcome<> outcome = system.command(plan_->commands[command].node, to_give);
+void Commander::give_instruction(System& system, std::size_t command, const Command& instruction) {
+  Outcome<> outcome = system.command(plan_->commands[command].node, instruction);
   if (outcome.is_fault()) ++refused_;
-  given_.push_back({command, to_give.value, std::move(outcome)});
+  given_.push_back({command, instruction.value, std::move(outcome)});
 }
 
 }  // namespace ilss

@@ -50,14 +50,14 @@ class Commander {
   struct Drive {
     std::size_t command;
     CommandDriver from;
-    Command to_give;
+    Command instruction;
   };
 
   /// Whether no command is driven, waits, or was given last time.
   bool idle() const { return drives_.empty() && waiting() == 0 && given_.empty(); }
   void give_due(System& system, Time time);
   void give_driven(System& system);
-  void give_one(System& system, std::size_t command, const Command& to_give);
+  void give_instruction(System& system, std::size_t command, const Command& instruction);
 
   const Plan* plan_;
   std::vector<Drive> drives_;

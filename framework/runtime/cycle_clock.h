@@ -37,10 +37,6 @@ class CycleClock {
     return elapsed > 0 ? static_cast<std::uint64_t>(elapsed) : 0;
   }
 
-  /// Whether ticks are processor cycles.
-  bool counts_cycles() const { return counts_cycles_; }
-  double nanoseconds_per_tick() const { return nanoseconds_per_tick_; }
-
  private:
   CycleClock();
 
@@ -50,7 +46,7 @@ class CycleClock {
                                           .count());
   }
 
-  bool counts_cycles_ = false;
+  bool counts_cycles_ = false;  ///< ticks are processor cycles
   double nanoseconds_per_tick_ = 1;
 };
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <thread>
 
 #include "framework/semantics/error_draws.h"
+#include "framework/semantics/principal_axes.h"
 
 namespace ilss {
 namespace {
@@ -20,7 +20,6 @@ constexpr double covered_deviations = 1.959963984540054;  // of the normal 95 % 
 
 /// The offsets of one output from its first-order value in every trial, NaN in those without one.
 struct Offsets {
-  std::size_t node;
   std::vector<std::vector<double>> components;
   std::size_t first_fault = std::numeric_limits<std::size_t>::max();
   std::string fault = {};
@@ -28,57 +27,59 @@ struct Offsets {
 
 class Trials {
  public:
-  Trials(const System& system, std::span<const Source> sources, std::size_t trials,
-         std::uint64_t seed)
-      : system_(system), draws_(sources, system.plan().owners, seed), trials_(trials), seed_(seed) {
+  Trials(const System& system, std::size_t trials, std::uint64_t seed)
+      : draws_(system.plan().owners, seed), trials_(trials), seed_(seed) {
     for (const std::size_t node : system.plan().outputs) {
-      Offsets& output = outputs_.emplace_back();
-      output.node = node;
       const bool there = system.node(node).outcome.has_output();
-      output.components.assign(there ? system.node(node).output().estimate.dimension() : 0,
-                               std::vector<double>(trials));
+      const std::size_t dimension = there ? system.node(node).output().estimate.dimension() : 0;
+      outputs_.emplace_back().components.assign(dimension, std::vector<double>(trials));
     }
   }
 
   std::size_t blocks() const { return (trials_ + ErrorDraws::block - 1) / ErrorDraws::block; }
   std::vector<Offsets>& outputs() { return outputs_; }
-  /// What one thread found beside the offsets: the first fault of each output.
-  using Faults = std::vector<std::pair<std::size_t, std::string>>;
+  /// What one thread works with, and what it found beside the offsets.
+  struct Desk {
+    std::vector<double> errors = {};
+    std::vector<double> offset = {};
+    /// The first trial without an output, of each output, and why.
+    std::vector<std::pair<std::size_t, std::string>> first_faults = {};
+  };
+  Desk desk() const {
+    return {.first_faults = {outputs_.size(), {std::numeric_limits<std::size_t>::max(), ""}}};
+  }
 
-  /// Does a block's trials; blocks may be done side by side, each with a perturbation of its own.
-  void run(std::size_t block, Perturbation& perturbation, std::vector<double>& errors,
-           Faults& faults) {
-    draws_.fill(block, errors);
+  /// Does a block's trials; blocks may be done side by side, each with a perturbation of its own
+  /// whose targets are the outputs.
+  void run(std::size_t block, Perturbation& perturbation, Desk& desk) {
+    draws_.fill(perturbation.sources(), block, desk.errors);
     const std::size_t count = perturbation.sources().size();
     const std::size_t end = std::min(trials_, (block + 1) * ErrorDraws::block);
     std::size_t row = 0;
+    std::vector<double> offset;
     for (std::size_t trial = block * ErrorDraws::block; trial < end; ++trial, ++row) {
-      perturbation.apply(std::span(errors).subspan(row * count, count),
+      perturbation.apply(std::span(desk.errors).subspan(row * count, count),
                          derive_seed(seed_, static_cast<std::uint64_t>(trial)));
-      for (std::size_t o = 0; o < outputs_.size(); ++o) keep(perturbation, trial, o, faults[o]);
+      for (std::size_t o = 0; o < outputs_.size(); ++o) keep(perturbation, trial, o, desk);
     }
   }
 
  private:
-  void keep(const Perturbation& perturbation, std::size_t trial, std::size_t o,
-            std::pair<std::size_t, std::string>& fault) {
+  void keep(const Perturbation& perturbation, std::size_t trial, std::size_t o, Desk& desk) {
     Offsets& output = outputs_[o];
     if (output.components.empty()) return;
-    if (perturbation.failed(output.node)) {
-      if (trial < fault.first) fault = {trial, perturbation.fault(output.node).message};
+    if (perturbation.failed(o)) {
+      auto& first = desk.first_faults[o];
+      if (trial < first.first) first = {trial, perturbation.fault(o).message};
       for (auto& component : output.components) component[trial] = nan;
       return;
     }
-    const Estimate& first_order = system_.node(output.node).output().estimate;
-    const Estimate& drawn = perturbation.value(output.node);
-    for (std::size_t c = 0; c < output.components.size(); ++c) {
-      const double offset = drawn.value[c] - first_order.value[c];
-      output.components[c][trial] =
-          first_order.type->components[c].circular ? wrap_angle(offset) : offset;
-    }
+    desk.offset.resize(output.components.size());
+    perturbation.offset(o, desk.offset);
+    for (std::size_t c = 0; c < output.components.size(); ++c)
+      output.components[c][trial] = desk.offset[c];
   }
 
-  const System& system_;
   ErrorDraws draws_;
   std::size_t trials_;
   std::uint64_t seed_;
@@ -97,34 +98,18 @@ double share_within(const std::vector<double>& offsets, double middle, double li
   return static_cast<double>(inside) / static_cast<double>(offsets.size());
 }
 
-/// Share of trials whose offset lies in the 95 % ellipsoid of a covariance.
-double share_in_ellipsoid(const Offsets& output, const Eigen::MatrixXd& covariance) {
-  const Eigen::VectorXd inverse_scale = covariance.diagonal().unaryExpr(
-      [](double variance) { return variance > 0 ? 1 / std::sqrt(variance) : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
-      inverse_scale.asDiagonal() * covariance * inverse_scale.asDiagonal());
-  // Rows that whiten an offset; directions without variance are left out, as in NEES.
-  const Eigen::Index m = covariance.rows();
-  Eigen::MatrixXd whiten(m, m);
-  Eigen::Index rank = 0;
-  constexpr double relative_rank_tolerance = 1e-10;
-  for (Eigen::Index i = 0; i < m; ++i)
-    if (eigen.eigenvalues()[i] > relative_rank_tolerance * static_cast<double>(m))
-      whiten.row(rank++) = eigen.eigenvectors().col(i).cwiseProduct(inverse_scale).transpose() /
-                           std::sqrt(eigen.eigenvalues()[i]);
-  if (rank == 0) return nan;
-  const double limit = chi_square_quantile(static_cast<double>(rank), 0.95);
+/// Share of trials whose offset lies in the 95 % ellipsoid of a lineage's covariance.
+double share_in_ellipsoid(const Offsets& output, const Lineage& lineage) {
+  PrincipalAxes axes;
+  axes.take(lineage);
+  if (axes.rank() == 0) return nan;
+  const double limit = axes.squared_radius_95();
   std::size_t inside = 0;
   const std::size_t trials = output.components.front().size();
+  std::vector<double> offset(output.components.size());
   for (std::size_t t = 0; t < trials; ++t) {
-    double sum = 0;
-    for (Eigen::Index r = 0; r < rank; ++r) {
-      double x = 0;
-      for (Eigen::Index c = 0; c < m; ++c)
-        x += whiten(r, c) * output.components[static_cast<std::size_t>(c)][t];
-      sum += x * x;
-    }
-    inside += sum <= limit ? 1 : 0;
+    for (std::size_t c = 0; c < offset.size(); ++c) offset[c] = output.components[c][t];
+    inside += axes.squared_distance(offset) <= limit ? 1 : 0;
   }
   return static_cast<double>(inside) / static_cast<double>(trials);
 }
@@ -146,10 +131,9 @@ void take_moments(const Offsets& output, const Estimate& first_order, MonteCarlo
       result.covariance(i, j) = result.covariance(j, i) = sum / std::max(1.0, trials - 1);
     }
   }
-  result.mean = first_order.vector() + offset;
-  for (Eigen::Index i = 0; i < m; ++i)
-    if (first_order.type->components[static_cast<std::size_t>(i)].circular)
-      result.mean[i] = wrap_angle(result.mean[i]);
+  const std::vector<double> mean = retract(*first_order.type, first_order.value,
+                                           std::span(offset.data(), first_order.dimension()));
+  result.mean = Eigen::Map<const Eigen::VectorXd>(mean.data(), m);
 }
 
 MonteCarloOutput summarise(Offsets& output, const Estimate& first_order, std::size_t trials) {
@@ -160,7 +144,7 @@ MonteCarloOutput summarise(Offsets& output, const Estimate& first_order, std::si
   result.fault = output.fault;
   if (result.trials == 0) return result;
   take_moments(output, first_order, result);
-  result.joint_coverage = share_in_ellipsoid(output, first_order.lineage.covariance());
+  result.joint_coverage = share_in_ellipsoid(output, first_order.lineage);
   for (std::size_t c = 0; c < output.components.size(); ++c) {
     const double deviation = first_order.lineage.standard_deviation(c);
     const double half_width = covered_deviations * deviation;
@@ -177,8 +161,9 @@ MonteCarloOutput summarise(Offsets& output, const Estimate& first_order, std::si
 
 std::vector<MonteCarloOutput> summarise(Trials& run, const System& system, std::size_t trials) {
   std::vector<MonteCarloOutput> results;
-  for (Offsets& output : run.outputs())
-    results.push_back(summarise(output, system.node(output.node).output().estimate, trials));
+  const std::vector<std::size_t>& nodes = system.plan().outputs;
+  for (std::size_t o = 0; o < nodes.size(); ++o)
+    results.push_back(summarise(run.outputs()[o], system.node(nodes[o]).output().estimate, trials));
   return results;
 }
 
@@ -188,16 +173,13 @@ void check_trials(std::size_t trials) {
         fmt::format("a Monte Carlo run has 1 to {} trials, not {}", most_trials, trials));
 }
 
-Trials::Faults no_faults(const Trials&, std::size_t outputs) {
-  return {outputs, {std::numeric_limits<std::size_t>::max(), ""}};
-}
-
 /// Of several threads' first faults the very first.
-void merge(const Trials::Faults& faults, std::vector<Offsets>& outputs) {
+void merge(const Trials::Desk& desk, std::vector<Offsets>& outputs) {
   for (std::size_t o = 0; o < outputs.size(); ++o) {
-    if (faults[o].first >= outputs[o].first_fault) continue;
-    outputs[o].first_fault = faults[o].first;
-    outputs[o].fault = faults[o].second;
+    const auto& [trial, fault] = desk.first_faults[o];
+    if (trial >= outputs[o].first_fault) continue;
+    outputs[o].first_fault = trial;
+    outputs[o].fault = fault;
   }
 }
 
@@ -212,44 +194,38 @@ std::vector<MonteCarloOutput> run_monte_carlo(const System& system,
                                               const std::vector<std::size_t>& cut,
                                               const MonteCarloOptions& options) {
   check_trials(options.trials);
-  Perturbation own(system, cut, Redo::simulation);
-  Trials run(system, own.sources(), options.trials, options.seed);
-  const std::size_t outputs = system.plan().outputs.size();
+  std::vector<std::size_t> sorted_cut = cut;
+  std::sort(sorted_cut.begin(), sorted_cut.end());
+  Trials run(system, options.trials, options.seed);
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   const auto threads = static_cast<std::size_t>(
       std::min<std::uint64_t>(options.threads > 0 ? options.threads : cores, run.blocks()));
   std::atomic<std::size_t> next = 0;
-  std::vector<Trials::Faults> faults(threads, no_faults(run, outputs));
-  const auto work = [&](Perturbation& perturbation, std::size_t thread, bool tell) {
-    std::vector<double> errors;
+  std::vector<Trials::Desk> desks(threads, run.desk());
+  const auto work = [&](std::size_t thread) {
+    Perturbation perturbation(system, system.plan().outputs, sorted_cut, Redo::simulation);
     for (std::size_t block = next++; block < run.blocks(); block = next++) {
-      run.run(block, perturbation, errors, faults[thread]);
-      if (tell && options.progress)
+      run.run(block, perturbation, desks[thread]);
+      if (thread == 0 && options.progress)
         options.progress(static_cast<double>(block + 1) / static_cast<double>(run.blocks()));
     }
   };
   {
     std::vector<std::jthread> others;
-    for (std::size_t t = 1; t < threads; ++t)
-      others.emplace_back([&, t] {
-        Perturbation perturbation(system, cut, Redo::simulation);
-        work(perturbation, t, false);
-      });
-    work(own, 0, true);
+    for (std::size_t t = 1; t < threads; ++t) others.emplace_back(work, t);
+    work(0);
   }
-  for (const Trials::Faults& found : faults) merge(found, run.outputs());
+  for (const Trials::Desk& desk : desks) merge(desk, run.outputs());
   return summarise(run, system, options.trials);
 }
 
 std::vector<MonteCarloOutput> run_monte_carlo(const System& system, Perturbation& perturbation,
                                               std::size_t trials, std::uint64_t seed) {
   check_trials(trials);
-  Trials run(system, perturbation.sources(), trials, seed);
-  Trials::Faults faults = no_faults(run, system.plan().outputs.size());
-  std::vector<double> errors;
-  for (std::size_t block = 0; block < run.blocks(); ++block)
-    run.run(block, perturbation, errors, faults);
-  merge(faults, run.outputs());
+  Trials run(system, trials, seed);
+  Trials::Desk desk = run.desk();
+  for (std::size_t block = 0; block < run.blocks(); ++block) run.run(block, perturbation, desk);
+  merge(desk, run.outputs());
   return summarise(run, system, trials);
 }
 

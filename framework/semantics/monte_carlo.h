@@ -29,7 +29,8 @@ struct MonteCarloOutput {
   std::string fault = {};  ///< what the first of these said
   Eigen::VectorXd mean = {};
   Eigen::MatrixXd covariance = {};
-  std::vector<Interval> interval = {};  ///< the shortest that holds 95 %, a component
+  /// The shortest that holds 95 %, a component: the first-order value and the offsets from it.
+  std::vector<Interval> interval = {};
   /// Share of trials within 1.96 first-order standard deviations of the first-order value, a
   /// component; honest: 0.95. NaN where the first-order error is 0.
   std::vector<double> coverage = {};
@@ -38,7 +39,7 @@ struct MonteCarloOutput {
   /// To how many digits (2, 1 or 0) of the standard uncertainty the first-order 95 % interval is
   /// that of Monte Carlo, a component (JCGM 101:2008, clause 8).
   std::vector<int> agreeing_digits = {};
-  /// Each trial's offset from the first-order value, a component; in no order.
+  /// Each trial's offset from the first-order value (⊖), a component; in no order.
   std::vector<std::vector<double>> offsets = {};
 
   /// Share of trials within 1.96 `deviation` of the first-order value plus `bias`.
@@ -54,7 +55,8 @@ std::vector<MonteCarloOutput> run_monte_carlo(const System& system,
                                               const std::vector<std::size_t>& cut,
                                               const MonteCarloOptions& options);
 
-/// The same from a perturbation that is there already, in this thread.
+/// The same from a perturbation that is there already, whose targets are the plan's outputs, in
+/// this thread.
 std::vector<MonteCarloOutput> run_monte_carlo(const System& system, Perturbation& perturbation,
                                               std::size_t trials, std::uint64_t seed);
 

@@ -4,18 +4,20 @@
 
 #include <algorithm>
 #include <limits>
+#include <unordered_set>
 
 #include "framework/graph/guarded.h"
+#include "framework/module/carried_correlation.h"
 
 namespace ilss {
 namespace {
 
 constexpr std::size_t no_source = std::numeric_limits<std::size_t>::max();
 
-/// `to` = `from` + G e.
+/// `to` = `from` ⊕ G e.
 void move(const Estimate& from, std::span<const std::size_t> places, std::span<const double> errors,
           std::vector<double>& to) {
-  std::copy(from.value.begin(), from.value.end(), to.begin());
+  std::fill(to.begin(), to.end(), 0.0);
   for (std::size_t k = 0; k < places.size(); ++k) {
     if (places[k] == no_source) continue;
     const double error = errors[places[k]];
@@ -23,55 +25,78 @@ void move(const Estimate& from, std::span<const std::size_t> places, std::span<c
     const auto column = from.lineage.column(k);
     for (std::size_t c = 0; c < column.size(); ++c) to[c] += error * column[c];
   }
+  retract(*from.type, from.value, to, to);
 }
 
 }  // namespace
 
-Perturbation::Perturbation(const System& system, const std::vector<std::size_t>& cut, Redo redo,
-                           bool with_lineages)
-    : system_(system), step_of_node_(system.size(), 0), with_lineages_(with_lineages) {
-  const Plan& plan = system.plan();
-  std::vector<char> needed(system.size(), 0);
-  std::vector<char> is_cut(system.size(), 0);
-  for (const std::size_t node : cut) is_cut[node] = 1;
-  for (const std::size_t output : plan.outputs) needed[output] = 1;
-  // What an estimator needs is known once it is known whether its sensors are simulated, so what is
-  // needed only by a moved estimator is dropped in a second pass.
-  for (std::size_t i = system.size(); i-- > 0;)
-    if (needed[i] && !is_cut[i])
-      for (const PlanInput& input : plan.nodes[i].inputs) needed[input.node] = 1;
-  for (std::size_t i = 0; i < system.size(); ++i) {
-    if (!needed[i]) continue;
-    step_of_node_[i] = steps_.size();
-    Step& step = steps_.emplace_back();
-    step.node = i;
-    step.role = role_of(i, is_cut[i] != 0, redo);
-  }
-  std::fill(needed.begin(), needed.end(), 0);
-  for (const std::size_t output : plan.outputs) needed[output] = 1;
-  for (std::size_t s = steps_.size(); s-- > 0;)
-    if (needed[steps_[s].node] && steps_[s].role == Role::redone)
-      for (const PlanInput& input : plan.nodes[steps_[s].node].inputs) needed[input.node] = 1;
-  std::erase_if(steps_, [&](const Step& step) { return !needed[step.node]; });
-  for (std::size_t s = 0; s < steps_.size(); ++s) step_of_node_[steps_[s].node] = s;
-  for (const Step& step : steps_) {
-    const ModuleType& type = *plan.nodes[step.node].type;
-    with_lineages_ |=
-        step.role == Role::redone && (type.weighs_errors || type.kind == ModuleKind::estimator);
-  }
-  for (Step& step : steps_) prepare(step);
-  std::sort(sources_.begin(), sources_.end());
-  sources_.erase(std::unique(sources_.begin(), sources_.end()), sources_.end());
+Perturbation::Perturbation(const System& system, std::span<const std::size_t> targets,
+                           std::span<const std::size_t> cut, Redo redo, bool with_lineages)
+    : system_(system), with_lineages_(with_lineages) {
+  find_region(targets, cut, redo);
+  for (const std::size_t target : targets) targets_.push_back(place_of_node(target));
   for (Step& step : steps_) {
-    if (step.dead) continue;
-    if (step.role == Role::moved)
-      step.output_sources = places_of(system.node(step.node).output().estimate.lineage);
-    else
-      step.parameter_sources = places_of(plan.nodes[step.node].parameters.lineage);
+    const PlanNode& node = system.plan().nodes[step.node];
+    with_lineages_ |= step.role == Step::Role::redone &&
+                      (node.type->weighs_errors || node.type->kind == ModuleKind::estimator);
+    step.seed = derive_seed(0, node.name);
+    if (step.role != Step::Role::redone) continue;
+    for (const PlanInput& input : node.inputs) step.producers.push_back(place_of_node(input.node));
   }
+  refresh();
 }
 
-Perturbation::Role Perturbation::role_of(std::size_t node, bool cut, Redo redo) const {
+std::size_t Perturbation::place_of_node(std::size_t node) const {
+  const auto at = std::lower_bound(steps_.begin(), steps_.end(), node,
+                                   [](const Step& step, std::size_t n) { return step.node < n; });
+  return static_cast<std::size_t>(at - steps_.begin());
+}
+
+/// Steps for the nodes that the targets follow from, as far up as anything is redone.
+void Perturbation::find_region(std::span<const std::size_t> targets,
+                               std::span<const std::size_t> cut, Redo redo) {
+  const Plan& plan = system_.plan();
+  const auto is_cut = [&](std::size_t node) {
+    return std::binary_search(cut.begin(), cut.end(), node);
+  };
+  std::vector<std::size_t> waiting(targets.begin(), targets.end());
+  std::unordered_set<std::size_t> region(waiting.begin(), waiting.end());
+  while (!waiting.empty()) {
+    const std::size_t node = waiting.back();
+    waiting.pop_back();
+    const bool is_function = plan.nodes[node].type->kind == ModuleKind::function;
+    if ((!is_function && redo == Redo::functions) || is_cut(node)) continue;
+    for (const PlanInput& input : plan.nodes[node].inputs)
+      if (region.insert(input.node).second) waiting.push_back(input.node);
+  }
+  std::vector<std::size_t> nodes(region.begin(), region.end());
+  std::sort(nodes.begin(), nodes.end());
+  steps_.reserve(nodes.size());
+  for (const std::size_t node : nodes) {
+    const Step::Role role = role_of(node, is_cut(node), redo);
+    steps_.emplace_back().node = node;
+    steps_.back().role = role;
+  }
+  drop_unneeded(targets);
+}
+
+/// What an estimator needs is known once it is known whether its sensors are simulated; drops what
+/// is needed only by one that is moved.
+void Perturbation::drop_unneeded(std::span<const std::size_t> targets) {
+  std::vector<char> needed(steps_.size(), 0);
+  for (const std::size_t target : targets) needed[place_of_node(target)] = 1;
+  for (std::size_t s = steps_.size(); s-- > 0;)
+    if (needed[s] && steps_[s].role == Step::Role::redone)
+      for (const PlanInput& input : system_.plan().nodes[steps_[s].node].inputs)
+        needed[place_of_node(input.node)] = 1;
+  std::size_t kept = 0;
+  for (std::size_t s = 0; s < steps_.size(); ++s)
+    if (needed[s] && kept++ != s) steps_[kept - 1] = std::move(steps_[s]);
+  steps_.resize(kept);
+}
+
+Perturbation::Step::Role Perturbation::role_of(std::size_t node, bool cut, Redo redo) const {
+  using Role = Step::Role;
   const PlanNode& plan_node = system_.plan().nodes[node];
   if (cut) return Role::moved;
   if (plan_node.type->kind == ModuleKind::function) return Role::redone;
@@ -82,7 +107,7 @@ Perturbation::Role Perturbation::role_of(std::size_t node, bool cut, Redo redo) 
   // something is new.
   bool any_new = false;
   for (const PlanInput& input : plan_node.inputs) {
-    const Role role = steps_[step_of_node_[input.node]].role;
+    const Role role = steps_[place_of_node(input.node)].role;
     const bool has_samples = system_.plan().nodes[input.node].interface.output->samples.has_value();
     if (role == Role::moved && has_samples) return Role::moved;
     any_new |= role != Role::moved;
@@ -90,56 +115,96 @@ Perturbation::Role Perturbation::role_of(std::size_t node, bool cut, Redo redo) 
   return any_new ? Role::redone : Role::moved;
 }
 
-void Perturbation::prepare(Step& step) {
-  const NodeState& state = system_.node(step.node);
-  const PlanNode& node = system_.plan().nodes[step.node];
-  if (!state.outcome.has_output()) {
-    step.dead = true;
-    step.failed = true;
-    return;
+void Perturbation::refresh() {
+  sources_.clear();
+  for (Step& step : steps_) {
+    // A value that is held from an earlier tick is as good as one of this tick.
+    step.there = system_.node(step.node).has_value;
+    for (const std::size_t producer : step.producers) step.there &= steps_[producer].there;
+    if (step.there) collect(step);
   }
-  step.output = state.output();
-  if (!with_lineages_) step.output.estimate.lineage.reset(step.output.estimate.dimension());
-  if (step.role == Role::moved) return collect(state.output().estimate.lineage, false);
-  step.module = node.type->create(node.settings);
-  step.seed = derive_seed(0, node.name);
-  step.parameters = node.parameters;
-  collect(node.parameters.lineage, step.role == Role::simulated);
-  if (step.role == Role::simulated) return;  // keeps its parameters, to state their errors
-  if (!with_lineages_) step.parameters.lineage.reset(step.parameters.dimension());
-  for (const PlanInput& input : node.inputs) {
-    step.producers.push_back(step_of_node_[input.node]);
-    step.inputs.push_back(&steps_[step_of_node_[input.node]].output);
-  }
+  std::sort(sources_.begin(), sources_.end());
+  sources_.erase(std::unique(sources_.begin(), sources_.end()), sources_.end());
+  errors_.assign(sources_.size(), 0.0);
+  changed_.assign(sources_.size(), 0);
+  seed_.reset();
+  for (Step& step : steps_) prepare(step);
 }
 
-void Perturbation::collect(const Lineage& lineage, bool persistent_only) {
+/// Adds the sources that move a step, or its parameters.
+void Perturbation::collect(const Step& step) {
+  const Lineage& lineage = step.role == Step::Role::moved
+                               ? system_.node(step.node).output().estimate.lineage
+                               : system_.plan().nodes[step.node].parameters.lineage;
   for (const Source& source : lineage.sources())
-    if (!persistent_only || source.persistent()) sources_.push_back(source);
+    if (step.role != Step::Role::simulated || source.persistent()) sources_.push_back(source);
 }
 
-std::vector<std::size_t> Perturbation::places_of(const Lineage& lineage) const {
-  std::vector<std::size_t> places;
+void Perturbation::find_places(const Lineage& lineage, std::vector<std::size_t>& places) const {
+  places.clear();
   for (const Source& source : lineage.sources()) {
     const auto at = std::lower_bound(sources_.begin(), sources_.end(), source);
     const bool known = at != sources_.end() && *at == source;
     places.push_back(known ? static_cast<std::size_t>(at - sources_.begin()) : no_source);
   }
-  return places;
+}
+
+/// Takes a node's output, and what moves it, from the system as it stands.
+void Perturbation::prepare(Step& step) {
+  const NodeState& state = system_.node(step.node);
+  const PlanNode& node = system_.plan().nodes[step.node];
+  step.changed = false;
+  step.changed_label = false;
+  step.failed = !step.there;
+  step.fault_from = nullptr;
+  step.shown = &state.output();
+  step.movable = false;
+  if (!step.there) return;
+  find_places(
+      step.role == Step::Role::moved ? state.output().estimate.lineage : node.parameters.lineage,
+      step.places);
+  step.movable = step.role == Step::Role::simulated || !step.places.empty();
+  for (const std::size_t producer : step.producers) step.movable |= steps_[producer].movable;
+  if (!step.movable && (with_lineages_ || state.output().estimate.lineage.empty())) return;
+  step.shown = &step.output;
+  step.output = state.output();
+  if (!with_lineages_) step.output.estimate.lineage.reset(step.output.estimate.dimension());
+  if (!step.movable || step.role == Step::Role::moved) return;
+  if (step.module == nullptr) {
+    step.module = node.type->create(node.settings);
+    step.parameters = node.parameters;
+    // A simulated sensor keeps its parameters' errors, to state them.
+    if (!with_lineages_ && step.role == Step::Role::redone)
+      step.parameters.lineage.reset(step.parameters.dimension());
+  }
+  step.inputs.clear();
+  for (const std::size_t producer : step.producers) step.inputs.push_back(steps_[producer].shown);
 }
 
 void Perturbation::apply(std::span<const double> errors, std::uint64_t seed) {
+  for (std::size_t k = 0; k < errors_.size(); ++k) {
+    changed_[k] = errors[k] != errors_[k];
+    errors_[k] = errors[k];
+  }
+  const bool draws_anew = seed_ != seed;
+  seed_ = seed;
+  const auto is_changed = [this](std::size_t k) { return k != no_source && changed_[k] != 0; };
   for (Step& step : steps_) {
-    if (step.dead) continue;
-    if (step.role == Role::moved)
-      move(system_.node(step.node).output().estimate, step.output_sources, errors,
+    if (!step.movable) continue;
+    step.changed = (draws_anew && step.role == Step::Role::simulated) ||
+                   std::any_of(step.places.begin(), step.places.end(), is_changed) ||
+                   std::any_of(step.producers.begin(), step.producers.end(),
+                               [this](std::size_t p) { return steps_[p].changed; });
+    if (!step.changed) continue;
+    if (step.role == Step::Role::moved)
+      move(system_.node(step.node).output().estimate, step.places, errors_,
            step.output.estimate.value);
     else
-      redo(step, errors, seed);
+      redo(step, seed);
   }
 }
 
-void Perturbation::redo(Step& step, std::span<const double> errors, std::uint64_t seed) {
+void Perturbation::redo(Step& step, std::uint64_t seed) {
   step.failed = false;
   step.changed_label = false;
   step.fault_from = nullptr;
@@ -152,8 +217,8 @@ void Perturbation::redo(Step& step, std::span<const double> errors, std::uint64_
   }
   if (step.failed) return;
   const PlanNode& node = system_.plan().nodes[step.node];
-  if (step.role == Role::redone)
-    move(node.parameters, step.parameter_sources, errors, step.parameters.value);
+  if (step.role == Step::Role::redone)
+    move(node.parameters, step.places, errors_, step.parameters.value);
   if (node.type->kind != ModuleKind::function) step.module->reset();
   const Evaluation evaluation{.tick = 0,
                               .time = {},
@@ -161,41 +226,55 @@ void Perturbation::redo(Step& step, std::span<const double> errors, std::uint64_
                               .owner = static_cast<std::uint32_t>(step.node),
                               .parameters = step.parameters,
                               .inputs = step.inputs,
-                              .correlation_unknown = node.correlation_unknown};
-  Outcome<> outcome = guarded([&] { return step.module->evaluate(evaluation, step.output); });
+                              .correlation_unknown = node.correlation_unknown,
+                              .run_seed = derive_seed(seed, step.seed)};
+  Outcome<> outcome = guarded([&] {
+    return carry_correlation(*node.type, evaluation, step.output,
+                             [&] { return step.module->evaluate(evaluation, step.output); });
+  });
   step.failed = !outcome.has_output();
   if (outcome.is_fault()) step.fault = outcome.fault();
   if (step.failed) return;
-  if (step.role == Role::simulated) move_simulated(step, errors);
+  if (step.role == Step::Role::simulated) move_simulated(step);
   if (step.output.estimate.labels.empty()) return;
   step.changed_label |=
       step.output.estimate.labels != system_.node(step.node).output().estimate.labels;
 }
 
-void Perturbation::move_simulated(Step& step, std::span<const double> errors) const {
+void Perturbation::move_simulated(Step& step) const {
   Estimate& estimate = step.output.estimate;
   const Lineage& lineage = estimate.lineage;
+  std::vector<double>& moved = step.moved;
+  moved.assign(estimate.dimension(), 0.0);
   for (std::size_t k = 0; k < lineage.size(); ++k) {
     const auto at = std::lower_bound(sources_.begin(), sources_.end(), lineage.sources()[k]);
     if (at == sources_.end() || *at != lineage.sources()[k]) continue;
-    const double error = errors[static_cast<std::size_t>(at - sources_.begin())];
-    for (std::size_t c = 0; c < estimate.dimension(); ++c)
-      estimate.value[c] += error * lineage.column(k)[c];
+    const double error = errors_[static_cast<std::size_t>(at - sources_.begin())];
+    for (std::size_t c = 0; c < moved.size(); ++c) moved[c] += error * lineage.column(k)[c];
   }
+  retract(*estimate.type, estimate.value, moved, estimate.value);
   if (!with_lineages_) estimate.lineage.reset(estimate.dimension());
 }
 
-Fault Perturbation::fault(std::size_t node) const {
-  const Step* from = step(node).fault_from != nullptr ? step(node).fault_from : &step(node);
-  const std::string& name = system_.plan().nodes[from->node].name;
-  if (from->dead) return {FaultKind::no_detection, fmt::format("'{}' has no output", name)};
-  return {from->fault.kind, fmt::format("'{}': {}", name, from->fault.message)};
+void Perturbation::offset(std::size_t target, std::span<double> out) const {
+  const Estimate& stated = system_.node(target_node(target)).output().estimate;
+  const Estimate& moved = value(target);
+  difference(*stated.type, moved.value, stated.value, out);
 }
 
-std::vector<std::size_t> Perturbation::nodes() const {
-  std::vector<std::size_t> result;
-  for (const Step& step : steps_) result.push_back(step.node);
-  return result;
+Fault Perturbation::fault(std::size_t target) const {
+  const Step* from = &target_step(target);
+  // One without an output to begin with may be so because of what feeds it.
+  while (!from->there && !from->producers.empty()) {
+    const auto missing = std::find_if(from->producers.begin(), from->producers.end(),
+                                      [this](std::size_t p) { return !steps_[p].there; });
+    if (missing == from->producers.end()) break;
+    from = &steps_[*missing];
+  }
+  if (from->fault_from != nullptr) from = from->fault_from;
+  const std::string& name = system_.plan().nodes[from->node].name;
+  if (!from->there) return {FaultKind::no_detection, fmt::format("'{}' has no output", name)};
+  return {from->fault.kind, fmt::format("'{}': {}", name, from->fault.message)};
 }
 
 }  // namespace ilss

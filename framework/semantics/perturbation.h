@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,70 +17,100 @@ enum class Redo {
   simulation,  ///< simulated sensors, too, and the estimators behind them
 };
 
-/// Takes a system as it stands after a tick or an expectation, and redoes its outputs under errors.
-/// A sensor or estimator that is not redone is moved by its lineage, G e; a function behind it is
-/// evaluated again with its parameters moved. A simulated sensor draws a reading with its nominal
-/// parameters, which are the simulation's truth, and then moves what it says of itself by the
-/// lineage of its parameters; an estimator that it feeds is reset and evaluated. Instances of
-/// modules are its own, so that several may work side by side; no allocation once warm.
+/// Takes a system as it stands after a tick or an expectation, and redoes some of its nodes, the
+/// targets, under errors. A sensor or estimator that is not redone is moved by its lineage, G e; a
+/// function behind it is evaluated again with its parameters moved. A simulated sensor draws a
+/// reading with its nominal parameters, which are the simulation's truth, and then moves what it
+/// says of itself by the lineage of its parameters; an estimator that it feeds is reset and
+/// evaluated. Knows only the nodes that the targets follow from, and of these redoes those that
+/// follow from what has changed: what no error reaches is neither copied nor evaluated. Instances
+/// of modules are its own, made when first needed, so that several may work side by side; no
+/// allocation once warm.
 class Perturbation {
  public:
-  /// `cut` names nodes whose outputs were given, and are moved in any case. Outputs come without
-  /// lineages, which costs less, unless a module weighs the errors of its inputs or
-  /// `with_lineages` asks for them: those that are stated at the moved values.
-  Perturbation(const System& system, const std::vector<std::size_t>& cut, Redo redo,
-               bool with_lineages = false);
+  /// Takes the system as it stands. `cut` names nodes (sorted) whose outputs were given, and are
+  /// moved in any case. Outputs come without lineages, which costs less, unless a module weighs the
+  /// errors of its inputs or `with_lineages` asks for them: those that are stated at the moved
+  /// values.
+  Perturbation(const System& system, std::span<const std::size_t> targets,
+               std::span<const std::size_t> cut, Redo redo, bool with_lineages = false);
+
+  /// Takes the system as it stands now, after another tick; all errors are 0 again.
+  void refresh();
 
   /// The sources that errors are to be given for, sorted.
-  const std::vector<Source>& sources() const { return sources_; }
+  std::span<const Source> sources() const { return sources_; }
 
   /// Gives each source its error (standard deviations, in the order of `sources`), simulated
-  /// sensors the seed of their noise, and redoes the outputs.
+  /// sensors the seed of their noise, and redoes what follows from errors other than before.
   void apply(std::span<const double> errors, std::uint64_t seed = 0);
 
-  /// The output of a node that the system's outputs follow from.
-  const Estimate& value(std::size_t node) const { return step(node).output.estimate; }
-  /// Whether there is none, and why: the message names the node that the fault comes from.
-  bool failed(std::size_t node) const { return step(node).failed; }
-  Fault fault(std::size_t node) const;
-  /// Whether a label changed on the way to the node: another case of a formula.
-  bool changed_label(std::size_t node) const { return step(node).changed_label; }
+  std::size_t target_count() const { return targets_.size(); }
+  std::size_t target_node(std::size_t target) const { return target_step(target).node; }
+  /// A target's output; as it was stated where no error reaches it.
+  const Estimate& value(std::size_t target) const { return target_step(target).shown->estimate; }
+  /// How much it differs from what was stated (M), as `difference` has it.
+  void offset(std::size_t target, std::span<double> out) const;
+  /// Whether any error reaches it.
+  bool movable(std::size_t target) const { return target_step(target).movable; }
+  /// Whether `apply` redid it, the last time.
+  bool changed(std::size_t target) const { return target_step(target).changed; }
+  /// Whether it has no output, and why: the message names the node that the fault comes from.
+  bool failed(std::size_t target) const { return target_step(target).failed; }
+  Fault fault(std::size_t target) const;
+  /// Whether a label changed on the way to it: another case of a formula.
+  bool changed_label(std::size_t target) const { return target_step(target).changed_label; }
 
-  /// Nodes that outputs follow from, in order.
-  std::vector<std::size_t> nodes() const;
-
- private:
-  enum class Role { moved, redone, simulated };
+  /// A node that targets follow from, and which of these nodes it is evaluated from.
   struct Step {
-    std::size_t node;
-    Role role;
+    std::size_t node = 0;
+    std::vector<std::size_t> producers = {};
+
+   private:
+    friend class Perturbation;
+    enum class Role { moved, redone, simulated };
+    Role role = Role::moved;
     std::unique_ptr<Module> module = nullptr;
+    const Output* shown = nullptr;  ///< `output`, or the system's where no error reaches it
     Output output = {};
     Estimate parameters = {};
-    std::vector<std::size_t> output_sources = {};     ///< the place of each column's source
-    std::vector<std::size_t> parameter_sources = {};  ///< likewise
-    std::vector<std::size_t> producers = {};          ///< steps that feed it
+    std::vector<std::size_t> places = {};  ///< of the sources that move it or its parameters
     std::vector<const Output*> inputs = {};
+    std::vector<double> moved = {};  ///< the error that a simulated reading takes
     Fault fault = {};
     const Step* fault_from = nullptr;
     std::uint64_t seed = 0;
+    bool there = false;    ///< has an output to begin with
+    bool movable = false;  ///< some error reaches it
+    bool changed = false;
     bool failed = false;
     bool changed_label = false;
-    bool dead = false;  ///< has no output to begin with
   };
+  /// In order of evaluation.
+  std::span<const Step> steps() const { return steps_; }
+  /// The place of a target among them.
+  std::size_t step_of(std::size_t target) const { return targets_[target]; }
 
-  const Step& step(std::size_t node) const { return steps_[step_of_node_[node]]; }
-  Role role_of(std::size_t node, bool cut, Redo redo) const;
+ private:
+  const Step& target_step(std::size_t target) const { return steps_[targets_[target]]; }
+  std::size_t place_of_node(std::size_t node) const;
+  void find_region(std::span<const std::size_t> targets, std::span<const std::size_t> cut,
+                   Redo redo);
+  Step::Role role_of(std::size_t node, bool cut, Redo redo) const;
+  void drop_unneeded(std::span<const std::size_t> targets);
+  void collect(const Step& step);
+  void find_places(const Lineage& lineage, std::vector<std::size_t>& places) const;
   void prepare(Step& step);
-  void collect(const Lineage& lineage, bool persistent_only);
-  std::vector<std::size_t> places_of(const Lineage& lineage) const;
-  void redo(Step& step, std::span<const double> errors, std::uint64_t seed);
-  void move_simulated(Step& step, std::span<const double> errors) const;
+  void redo(Step& step, std::uint64_t seed);
+  void move_simulated(Step& step) const;
 
   const System& system_;
   std::vector<Step> steps_;
-  std::vector<std::size_t> step_of_node_;
+  std::vector<std::size_t> targets_;  ///< their steps
   std::vector<Source> sources_;
+  std::vector<double> errors_;
+  std::vector<char> changed_;          ///< of the sources, by the last `apply`
+  std::optional<std::uint64_t> seed_;  ///< of the last `apply`
   bool with_lineages_ = false;
 };
 

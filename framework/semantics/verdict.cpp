@@ -2,34 +2,21 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
-#include "framework/estimate/random.h"
-#include "framework/semantics/monte_carlo.h"
+#include "framework/semantics/second_order.h"
 
 namespace ilss {
 namespace {
 
-/// Of the pilot's trials: the same system always gets the same verdict.
-constexpr std::uint64_t pilot_seed = 0;
+/// Of the trials: the same system always gets the same verdict.
+constexpr std::uint64_t trial_seed = 0;
 /// What counts for rounding, against the numbers that an output is made of.
 constexpr double relative_rounding = 1e-12;
-/// With more sources than this, not every pair is moved.
-constexpr std::size_t most_paired_sources = 12;
-
-/// Sums over sources of what moving each does to an output along one direction.
-struct Moments {
-  double curvature = 0;          ///< of second differences
-  double squared_curvature = 0;  ///< of their squares
-  double secant_variance = 0;    ///< of squared central differences
-  double mixed_variance = 0;     ///< second-order variance of sources moving together
-
-  double bias() const { return curvature / 2; }
-  double second_order_variance() const { return squared_curvature / 2 + mixed_variance; }
-};
+constexpr double covered_deviations = 1.959963984540054;  // of the normal 95 % interval
 
 /// Whether the second order is small along a direction. `size` is of the numbers that make it up:
 /// an error of their rounding is no error.
@@ -45,178 +32,48 @@ bool is_clear(const Moments& moments, double variance, double size) {
          change <= clear_relative_variance * variance;
 }
 
-/// The directions in which an output's error is judged, as rows: its components, and the principal
-/// axes of its covariance scaled to unit variance. Components alone would hide what happens across
-/// a thin error ellipse.
-Eigen::MatrixXd directions_of(const Estimate& estimate) {
-  const auto m = static_cast<Eigen::Index>(estimate.dimension());
-  const Eigen::MatrixXd covariance = estimate.lineage.covariance();
-  const Eigen::VectorXd inverse_scale = covariance.diagonal().unaryExpr(
-      [](double variance) { return variance > 0 ? 1 / std::sqrt(variance) : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
-      inverse_scale.asDiagonal() * covariance * inverse_scale.asDiagonal());
-  constexpr double rank_tolerance = 1e-10;
-  Eigen::MatrixXd directions = Eigen::MatrixXd::Identity(m, m);
-  for (Eigen::Index i = 0; m > 1 && i < m; ++i) {
-    const double eigenvalue = eigen.eigenvalues()[i];
-    if (eigenvalue <= rank_tolerance * static_cast<double>(m)) continue;
-    directions.conservativeResize(directions.rows() + 1, Eigen::NoChange);
-    directions.bottomRows(1) =
-        eigen.eigenvectors().col(i).cwiseProduct(inverse_scale).transpose() / std::sqrt(eigenvalue);
-  }
-  return directions;
-}
-
-/// What is known of one output after all moves.
-struct ProbedOutput {
-  std::size_t node;
-  bool there = false;
-  Eigen::MatrixXd directions = {};
-  std::vector<Moments> moments = {};  ///< of each direction
-  bool meets_fault = false;           ///< a move led out of a function's domain
-  bool changes_label = false;
-};
-
-/// Moves sources and gathers what that does to every output.
-class Probe {
+/// The largest number of each unit among the nodes that an output follows from: rounding is
+/// relative to it, not to what is left where large numbers cancel.
+class Sizes {
  public:
-  Probe(const System& system, Perturbation& perturbation)
-      : system_(system), perturbation_(perturbation), errors_(perturbation.sources().size(), 0.0) {
-    for (const std::size_t node : system.plan().outputs) {
-      ProbedOutput& output = outputs_.emplace_back();
-      output.node = node;
-      output.there = system.node(node).outcome.has_output();
-      if (!output.there) continue;
-      output.directions = directions_of(system.node(node).output().estimate);
-      output.moments.resize(static_cast<std::size_t>(output.directions.rows()));
+  /// Takes them from the system as it stands, along all steps of a perturbation.
+  void take(const System& system, const Perturbation& perturbation) {
+    const std::span<const Perturbation::Step> steps = perturbation.steps();
+    if (units_of_step_.empty())
+      for (const Perturbation::Step& step : steps) find_units(system.plan().nodes[step.node]);
+    sizes_.assign(steps.size() * units_.size(), 0.0);
+    for (std::size_t s = 0; s < steps.size(); ++s) {
+      double* const own = sizes_.data() + s * units_.size();
+      for (const std::size_t producer : steps[s].producers)
+        for (std::size_t u = 0; u < units_.size(); ++u)
+          own[u] = std::max(own[u], sizes_[producer * units_.size() + u]);
+      std::size_t at = 0;
+      for (const Estimate* estimate : {&system.node(steps[s].node).output().estimate,
+                                       &system.plan().nodes[steps[s].node].parameters})
+        for (std::size_t c = 0; c < estimate->dimension(); ++c) {
+          double& size = own[units_of_step_[s][at++]];
+          size = std::max(size, std::abs(estimate->value[c]));
+        }
     }
-    move_each();
-    if (errors_.size() <= most_paired_sources)
-      move_pairs();
-    else
-      move_together();
   }
-
-  const std::vector<ProbedOutput>& outputs() const { return outputs_; }
+  /// Of the unit of a component of a step's output.
+  double of(std::size_t step, std::size_t component) const {
+    return sizes_[step * units_.size() + units_of_step_[step][component]];
+  }
 
  private:
-  using Offsets = std::vector<Eigen::VectorXd>;  ///< along the directions, of each output
-
-  /// What the errors as they stand do to each output; noted where they leave none.
-  Offsets offsets() {
-    perturbation_.apply(errors_);
-    Offsets result;
-    for (ProbedOutput& output : outputs_) {
-      Eigen::VectorXd& offset =
-          result.emplace_back(Eigen::VectorXd::Zero(output.directions.rows()));
-      if (!output.there) continue;
-      if (perturbation_.failed(output.node)) {
-        output.meets_fault = true;
-        continue;
-      }
-      output.changes_label |= perturbation_.changed_label(output.node);
-      offset = output.directions * difference(perturbation_.value(output.node),
-                                              system_.node(output.node).output().estimate.value);
-    }
-    return result;
+  void find_units(const PlanNode& node) {
+    std::vector<std::size_t>& units = units_of_step_.emplace_back();
+    for (const auto* components :
+         {&node.interface.output->components, &node.parameters.type->components})
+      for (const Component& component : *components)
+        units.push_back(units_.emplace(component.unit, units_.size()).first->second);
   }
 
-  template <typename Gather>
-  void for_each_direction(const Gather& gather) {
-    for (std::size_t o = 0; o < outputs_.size(); ++o)
-      for (std::size_t r = 0; r < outputs_[o].moments.size(); ++r)
-        gather(outputs_[o].moments[r], o, static_cast<Eigen::Index>(r));
-  }
-
-  /// One source at a time, to both sides.
-  void move_each() {
-    const double step = std::sqrt(3.0);
-    for (double& error : errors_) {
-      error = step;
-      const Offsets above = offsets();
-      error = -step;
-      const Offsets below = offsets();
-      for_each_direction([&](Moments& m, std::size_t o, Eigen::Index r) {
-        const double second = (above[o][r] + below[o][r]) / (step * step);
-        const double secant = (above[o][r] - below[o][r]) / (2 * step);
-        m.curvature += second;
-        m.squared_curvature += second * second;
-        m.secant_variance += secant * secant;
-      });
-      error = 0;
-    }
-  }
-
-  /// Two sources at a time, by ±1 standard deviation: their mixed second derivatives.
-  void move_pairs() {
-    const auto offsets_at = [&](std::size_t i, double a, std::size_t j, double b) {
-      errors_[i] = a;
-      errors_[j] = b;
-      return offsets();
-    };
-    for (std::size_t i = 0; i < errors_.size(); ++i)
-      for (std::size_t j = 0; j < i; ++j) {
-        const Offsets both = offsets_at(i, 1, j, 1);
-        const Offsets neither = offsets_at(i, -1, j, -1);
-        const Offsets first = offsets_at(i, 1, j, -1);
-        const Offsets second = offsets_at(i, -1, j, 1);
-        for_each_direction([&](Moments& m, std::size_t o, Eigen::Index r) {
-          const double mixed = (both[o][r] + neither[o][r] - first[o][r] - second[o][r]) / 4;
-          m.mixed_variance += mixed * mixed;
-        });
-        errors_[i] = errors_[j] = 0;
-      }
-  }
-
-  /// All sources at once by ±1 standard deviation, signs drawn: with second derivatives H, the mean
-  /// of both ways is tr(H) / 2 + sum of s_i s_j H_ij over i < j, so its scatter is the mixed part.
-  void move_together() {
-    constexpr int draws = 48;
-    RandomBits random(0);
-    std::vector<double> signs(errors_.size());
-    const auto offsets_at = [&](double factor) {
-      for (std::size_t k = 0; k < signs.size(); ++k) errors_[k] = factor * signs[k];
-      return offsets();
-    };
-    for (int d = 0; d < draws; ++d) {
-      for (double& sign : signs) sign = (random() & 1) != 0 ? 1.0 : -1.0;
-      const Offsets above = offsets_at(1);
-      const Offsets below = offsets_at(-1);
-      for_each_direction([&](Moments& m, std::size_t o, Eigen::Index r) {
-        const double mixed = (above[o][r] + below[o][r]) / 2 - m.bias();
-        m.mixed_variance += mixed * mixed / draws;
-      });
-    }
-  }
-
-  const System& system_;
-  Perturbation& perturbation_;
-  std::vector<double> errors_;
-  std::vector<ProbedOutput> outputs_;
+  std::map<std::string, std::size_t, std::less<>> units_;
+  std::vector<std::vector<std::size_t>> units_of_step_;  ///< of the output, then the parameters
+  std::vector<double> sizes_;                            ///< a row of units a step
 };
-
-/// The largest number of each unit among the nodes that outputs follow from: rounding is relative
-/// to it, not to what is left where large numbers cancel.
-using Sizes = std::map<std::string, double, std::less<>>;
-Sizes sizes_of(const System& system, const Perturbation& perturbation) {
-  Sizes result;
-  const auto take = [&](const Estimate& estimate) {
-    for (std::size_t c = 0; c < estimate.dimension(); ++c) {
-      double& size = result[estimate.type->components[c].unit];
-      size = std::max(size, std::abs(estimate.value[c]));
-    }
-  };
-  for (const std::size_t node : perturbation.nodes()) {
-    take(system.node(node).output().estimate);
-    take(system.plan().nodes[node].parameters);
-  }
-  return result;
-}
-
-/// The largest spread that is but rounding, of a component.
-double rounding_of(const Estimate& estimate, std::size_t component, const Sizes& sizes) {
-  return relative_rounding * sizes.at(estimate.type->components[component].unit);
-}
 
 /// How far the trials of a look may be from what first order states.
 struct Tolerances {
@@ -228,149 +85,285 @@ struct Tolerances {
 constexpr Tolerances glance_tolerances{0.029, 0.135, 0.095};
 constexpr Tolerances pilot_tolerances{pilot_tolerance, 0.5, 0.3};
 
+/// What trials did to one output, held against what is stated of it.
+class Look {
+ public:
+  void begin(std::size_t dimension) {
+    components_.assign(dimension, {});
+    trials_ = faults_ = inside_ = 0;
+    fault_.clear();
+  }
+  /// The intervals whose share of trials is wanted: around the stated value, and around the
+  /// corrected one.
+  void set_limits(std::size_t c, double deviation, double bias, double corrected_deviation) {
+    components_[c].limit = covered_deviations * deviation;
+    components_[c].bias = bias;
+    components_[c].corrected_limit = covered_deviations * corrected_deviation;
+  }
+  void add(std::span<const double> offset, bool inside_ellipsoid) {
+    const double weight = 1 / static_cast<double>(++trials_);
+    inside_ += inside_ellipsoid ? 1 : 0;
+    for (std::size_t c = 0; c < components_.size(); ++c) {
+      ComponentLook& look = components_[c];
+      const double x = offset[c];
+      look.within += std::abs(x) <= look.limit ? 1 : 0;
+      look.within_corrected += std::abs(x - look.bias) <= look.corrected_limit ? 1 : 0;
+      // Welford's update, which does not lose digits where the bias is large.
+      const double from_mean = x - look.mean;
+      look.mean += from_mean * weight;
+      look.squares += from_mean * (x - look.mean);
+    }
+  }
+  void add_fault(const Perturbation& perturbation, std::size_t target) {
+    if (faults_++ == 0) fault_ = perturbation.fault(target).message;
+  }
+
+  std::size_t trials() const { return trials_; }  ///< that gave an output
+  std::size_t faults() const { return faults_; }
+  const std::string& fault() const { return fault_; }  ///< of the first that gave none
+  double mean(std::size_t c) const { return components_[c].mean; }
+  double deviation(std::size_t c) const {
+    return std::sqrt(components_[c].squares / std::max(1.0, static_cast<double>(trials_) - 1));
+  }
+  double coverage(std::size_t c) const { return share(components_[c].within); }
+  double corrected_coverage(std::size_t c) const { return share(components_[c].within_corrected); }
+  double joint_coverage() const { return share(inside_); }
+
+ private:
+  struct ComponentLook {
+    double limit = 0;
+    double bias = 0;
+    double corrected_limit = 0;
+    std::size_t within = 0;
+    std::size_t within_corrected = 0;
+    double mean = 0;
+    double squares = 0;  ///< summed, of distances from the mean
+  };
+
+  double share(std::size_t count) const {
+    return static_cast<double>(count) / static_cast<double>(trials_);
+  }
+
+  std::vector<ComponentLook> components_;
+  std::size_t trials_ = 0;
+  std::size_t faults_ = 0;
+  std::size_t inside_ = 0;
+  std::string fault_;
+};
+
 /// Judges one output by its second order and by trials.
 class Judgement {
  public:
-  Judgement(const ProbedOutput& output, const Estimate& estimate, const Sizes& sizes,
-            bool states_no_error)
-      : output_(output), estimate_(estimate), sizes_(sizes), judged_(!states_no_error) {
-    judged_ &= output.there;
-    if (!output.there) report_.verdict = Verdict::invalid;
-    if (!judged_) return;
-    for (std::size_t r = 0; r < output.moments.size(); ++r) {
-      const Moments& moments = output.moments[r];
-      const bool is_component = r < estimate.dimension();
-      const double variance = is_component ? estimate.lineage.variance(r) : 1.0;
-      const double size = is_component ? sizes.at(estimate.type->components[r].unit) : 0.0;
-      const bool negligible = is_component && is_negligible(moments, r, variance);
-      const bool clear = negligible || is_clear(moments, variance, size);
-      clear_ &= clear;
-      if (!is_component) continue;
-      clear_component_.push_back(clear);
-      negligible_.push_back(negligible);
-      report_.components.push_back(Verdict::linear_ok);
-      report_.bias.push_back(moments.bias());
-      report_.extra_variance.push_back(moments.second_order_variance() + moments.secant_variance -
-                                       variance);
-    }
+  /// Takes what the second order showed. All must stay while it is used.
+  void begin(const SecondOrder& second_order, const Estimate& estimate, const Sizes& sizes,
+             std::size_t step, VerdictReport& report) {
+    second_order_ = &second_order;
+    estimate_ = &estimate;
+    report_ = &report;
+    clear_ = true;
+    clear_component_.clear();
+    negligible_.clear();
+    rounding_.clear();
+    for (std::size_t r = 0; r < second_order.moments.size(); ++r)
+      if (r < estimate.dimension())
+        take_component(r, sizes.of(step, r));
+      else
+        clear_ &= is_clear(second_order.moments[r], 1.0, 0.0);
+    squared_radius_ = second_order.axes.rank() > 0 ? second_order.axes.squared_radius_95() : 0.0;
   }
 
-  /// Whether more than a glance is needed.
-  bool doubtful(const MonteCarloOutput& glance) const {
-    if (!judged_) return false;
-    if (!clear_ || output_.meets_fault || glance.faults > 0) return true;
-    for (std::size_t c = 0; c < estimate_.dimension(); ++c)
-      if (!negligible_[c] && !holds(c, glance, glance_tolerances)) return true;
-    return !holds_together(glance, glance_tolerances.coverage);
+  void begin_look() {
+    look_.begin(estimate_->dimension());
+    for (std::size_t c = 0; c < estimate_->dimension(); ++c)
+      look_.set_limits(c, stated(c), report_->bias[c], corrected(c));
+  }
+  /// Takes a trial as the perturbation stands.
+  void take_trial(const Perturbation& perturbation, std::size_t target) {
+    if (perturbation.failed(target)) return look_.add_fault(perturbation, target);
+    offset_.resize(estimate_->dimension());
+    perturbation.offset(target, offset_);
+    look_.add(offset_, second_order_->axes.squared_distance(offset_) <= squared_radius_);
   }
 
-  /// Decides by many trials.
-  void take_pilot(const MonteCarloOutput& pilot) {
-    report_.piloted = true;
-    const auto trials = static_cast<double>(pilot.trials + pilot.faults);
-    const double fault_share = static_cast<double>(pilot.faults) / trials;
-    if (pilot.trials == 0 || fault_share > largest_fault_share) {
-      report_.verdict = Verdict::invalid;
-      report_.reason =
-          fmt::format("{:.2g} % of all errors leave no answer: {}", 100 * fault_share, pilot.fault);
+  /// Whether more than the glance just taken is needed.
+  bool doubtful() const {
+    if (!clear_ || second_order_->meets_fault || look_.faults() > 0) return true;
+    for (std::size_t c = 0; c < estimate_->dimension(); ++c)
+      if (!negligible_[c] && !holds(c, glance_tolerances)) return true;
+    return !holds_together(glance_tolerances.coverage);
+  }
+
+  /// Decides by the many trials just taken.
+  void take_pilot() {
+    report_->piloted = true;
+    const auto trials = static_cast<double>(look_.trials() + look_.faults());
+    const double fault_share = static_cast<double>(look_.faults()) / trials;
+    if (look_.trials() == 0 || fault_share > largest_fault_share) {
+      report_->verdict = Verdict::invalid;
+      report_->reason = fmt::format("{:.2g} % of all errors leave no answer: {}", 100 * fault_share,
+                                    look_.fault());
       return;
     }
-    for (std::size_t c = 0; c < estimate_.dimension(); ++c) {
-      report_.components[c] = judge_component(c, pilot);
-      report_.verdict = std::max(report_.verdict, report_.components[c]);
-      if (report_.components[c] == Verdict::monte_carlo_required && clear_component_[c])
-        report_.reason = "the error is not a normal one, though its second order is small";
+    for (std::size_t c = 0; c < estimate_->dimension(); ++c) {
+      report_->components[c] = judge_component(c);
+      report_->verdict = std::max(report_->verdict, report_->components[c]);
+      if (report_->components[c] == Verdict::monte_carlo_required && clear_component_[c])
+        report_->reason = "the error is not a normal one, though its second order is small";
     }
-    if (report_.verdict != Verdict::linear_ok || holds_together(pilot, pilot_tolerance)) return;
-    report_.verdict = Verdict::second_order;
-    report_.reason = output_.changes_label
-                         ? "another case is near, and the components' errors together are not as "
-                           "their covariance says"
-                         : "the components' errors together are not as their covariance says";
+    if (report_->verdict != Verdict::linear_ok || holds_together(pilot_tolerance)) return;
+    report_->verdict = Verdict::second_order;
+    report_->reason = second_order_->changes_label
+                          ? "another case is near, and the components' errors together are not as "
+                            "their covariance says"
+                          : "the components' errors together are not as their covariance says";
   }
 
   /// An output without sources of error that no move or trial changes, such as a count, leaves
   /// nothing to correct.
-  VerdictReport report() && {
-    if (judged_ && report_.verdict == Verdict::linear_ok && estimate_.lineage.empty() && still())
-      return {.verdict = Verdict::linear_ok, .piloted = report_.piloted};
-    return std::move(report_);
+  void finish() {
+    if (report_->verdict != Verdict::linear_ok || !estimate_->lineage.empty() || !still()) return;
+    report_->components.clear();
+    report_->bias.clear();
+    report_->extra_variance.clear();
   }
 
  private:
+  void take_component(std::size_t c, double size) {
+    const Moments& moments = second_order_->moments[c];
+    const double variance = estimate_->lineage.variance(c);
+    const bool negligible = is_negligible(moments, c, variance);
+    const bool clear = negligible || is_clear(moments, variance, size);
+    clear_ &= clear;
+    clear_component_.push_back(clear);
+    negligible_.push_back(negligible);
+    rounding_.push_back(relative_rounding * size);
+    report_->components.push_back(Verdict::linear_ok);
+    report_->bias.push_back(moments.bias());
+    report_->extra_variance.push_back(moments.second_order_variance() + moments.secant_variance -
+                                      variance);
+  }
+
   static bool near(double coverage, double tolerance) {
-    return std::isnan(coverage) || std::abs(coverage - 0.95) <= tolerance;
+    return std::abs(coverage - 0.95) <= tolerance;
+  }
+
+  double stated(std::size_t c) const { return estimate_->lineage.standard_deviation(c); }
+  /// The standard deviation with what the second order adds; 0 where nothing is left.
+  double corrected(std::size_t c) const {
+    return std::sqrt(std::max(0.0, estimate_->lineage.variance(c) + report_->extra_variance[c]));
   }
 
   /// Whether a component's trials are as first order states.
-  bool holds(std::size_t c, const MonteCarloOutput& look, const Tolerances& tolerances) const {
-    const auto i = static_cast<Eigen::Index>(c);
-    const double stated = estimate_.lineage.standard_deviation(c);
-    const double drawn = std::sqrt(look.covariance(i, i));
-    double bias = look.mean[i] - estimate_.value[c];
-    if (estimate_.type->components[c].circular) bias = wrap_angle(bias);
-    if (std::max({drawn, stated, std::abs(bias)}) <= rounding_of(estimate_, c, sizes_)) return true;
-    return stated > 0 && near(look.coverage[c], tolerances.coverage) &&
-           std::abs(bias) <= tolerances.mean * stated &&
-           std::abs(drawn - stated) <= tolerances.deviation * stated;
+  bool holds(std::size_t c, const Tolerances& tolerances) const {
+    const double deviation = stated(c);
+    const double drawn = look_.deviation(c);
+    const double bias = look_.mean(c);
+    if (std::max({drawn, deviation, std::abs(bias)}) <= rounding_[c]) return true;
+    return deviation > 0 && near(look_.coverage(c), tolerances.coverage) &&
+           std::abs(bias) <= tolerances.mean * deviation &&
+           std::abs(drawn - deviation) <= tolerances.deviation * deviation;
   }
 
   /// Whether the ellipsoid holds what it should; one that is thin by rounding says nothing.
-  bool holds_together(const MonteCarloOutput& look, double tolerance) const {
-    for (std::size_t c = 0; c < estimate_.dimension(); ++c) {
-      const double stated = estimate_.lineage.standard_deviation(c);
-      if (stated > 0 && stated <= rounding_of(estimate_, c, sizes_)) return true;
-    }
-    return near(look.joint_coverage, tolerance);
+  bool holds_together(double tolerance) const {
+    if (second_order_->axes.rank() == 0) return true;
+    for (std::size_t c = 0; c < estimate_->dimension(); ++c)
+      if (stated(c) > 0 && stated(c) <= rounding_[c]) return true;
+    return near(look_.joint_coverage(), tolerance);
   }
 
   /// Pure numbers have no unit that would make them comparable.
   bool is_negligible(const Moments& moments, std::size_t component, double variance) const {
-    const std::string& unit = estimate_.type->components[component].unit;
+    const std::string& unit = estimate_->type->components[component].unit;
     if (unit == "1") return false;
     double largest = 0;
-    for (std::size_t c = 0; c < estimate_.dimension(); ++c)
-      if (estimate_.type->components[c].unit == unit)
-        largest = std::max(largest, estimate_.lineage.variance(c));
+    for (std::size_t c = 0; c < estimate_->dimension(); ++c)
+      if (estimate_->type->components[c].unit == unit)
+        largest = std::max(largest, estimate_->lineage.variance(c));
     const double bias = moments.bias();
     return std::max(variance, moments.secant_variance) + moments.second_order_variance() +
                bias * bias <=
            negligible_error * negligible_error * largest;
   }
 
-  Verdict judge_component(std::size_t c, const MonteCarloOutput& pilot) const {
-    const double variance = estimate_.lineage.variance(c);
-    const double second_order = output_.moments[c].second_order_variance();
+  Verdict judge_component(std::size_t c) const {
+    const double variance = estimate_->lineage.variance(c);
+    const double second_order = second_order_->moments[c].second_order_variance();
     if (negligible_[c]) return Verdict::linear_ok;
     if (!clear_component_[c] && second_order > variance) return Verdict::monte_carlo_required;
-    if (holds(c, pilot, pilot_tolerances)) return Verdict::linear_ok;
-    if (variance <= 0 || variance + report_.extra_variance[c] <= 0)
-      return Verdict::monte_carlo_required;
-    const double corrected = std::sqrt(variance + report_.extra_variance[c]);
-    const auto i = static_cast<Eigen::Index>(c);
+    if (holds(c, pilot_tolerances)) return Verdict::linear_ok;
+    if (variance <= 0 || corrected(c) <= 0) return Verdict::monte_carlo_required;
     const bool as_corrected =
-        near(pilot.coverage_around(c, report_.bias[c], corrected), 2 * pilot_tolerance) &&
-        std::abs(std::sqrt(pilot.covariance(i, i)) - corrected) <=
-            pilot_tolerances.deviation * corrected;
+        near(look_.corrected_coverage(c), 2 * pilot_tolerance) &&
+        std::abs(look_.deviation(c) - corrected(c)) <= pilot_tolerances.deviation * corrected(c);
     return as_corrected ? Verdict::second_order : Verdict::monte_carlo_required;
   }
 
   /// Whether no component's second order says anything.
   bool still() const {
-    for (std::size_t c = 0; c < estimate_.dimension(); ++c)
-      if (report_.bias[c] != 0 || report_.extra_variance[c] != 0) return false;
+    for (std::size_t c = 0; c < estimate_->dimension(); ++c)
+      if (report_->bias[c] != 0 || report_->extra_variance[c] != 0) return false;
     return true;
   }
 
-  const ProbedOutput& output_;
-  const Estimate& estimate_;
-  const Sizes& sizes_;
-  bool judged_;
+  const SecondOrder* second_order_ = nullptr;
+  const Estimate* estimate_ = nullptr;
+  VerdictReport* report_ = nullptr;
+  Look look_;
+  double squared_radius_ = 0;
   bool clear_ = true;  ///< of all directions
-  std::vector<bool> clear_component_;
-  std::vector<bool> negligible_;
-  VerdictReport report_;
+  std::vector<char> clear_component_;
+  std::vector<char> negligible_;
+  std::vector<double> rounding_;  ///< the largest spread that is but rounding, of a component
+  std::vector<double> offset_;
 };
+
+/// Forgets a report, but not its buffers.
+void reset(VerdictReport& report, Verdict verdict) {
+  report.verdict = verdict;
+  report.reason.clear();
+  report.components.clear();
+  report.bias.clear();
+  report.extra_variance.clear();
+  report.piloted = false;
+}
+
+/// Which of the nodes are judged together: those that share a function. What is only moved, such as
+/// a sensor that several branches share, costs little more to move in each of them.
+std::vector<std::vector<std::size_t>> groups_of(const Plan& plan,
+                                                const std::vector<std::size_t>& nodes,
+                                                const std::vector<std::size_t>& cut) {
+  std::vector<std::optional<std::size_t>> finder(plan.nodes.size());  // who came there first
+  std::vector<std::size_t> leader(nodes.size());
+  const auto leader_of = [&](std::size_t i) {
+    while (leader[i] != i) i = leader[i] = leader[leader[i]];
+    return i;
+  };
+  const auto is_redone = [&](std::size_t node) {
+    return plan.nodes[node].type->kind == ModuleKind::function &&
+           !std::binary_search(cut.begin(), cut.end(), node);
+  };
+  std::vector<std::size_t> waiting;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    leader[i] = i;
+    waiting = {nodes[i]};
+    while (!waiting.empty()) {
+      const std::size_t node = waiting.back();
+      waiting.pop_back();
+      if (!is_redone(node)) continue;
+      if (finder[node]) {
+        leader[leader_of(i)] = leader_of(*finder[node]);
+        continue;
+      }
+      finder[node] = i;
+      for (const PlanInput& input : plan.nodes[node].inputs) waiting.push_back(input.node);
+    }
+  }
+  std::vector<std::vector<std::size_t>> members(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) members[leader_of(i)].push_back(i);
+  std::erase_if(members, [](const auto& group) { return group.empty(); });
+  return members;
+}
 
 }  // namespace
 
@@ -388,29 +381,111 @@ std::string_view verdict_name(Verdict verdict) {
   return "invalid";
 }
 
-std::vector<VerdictReport> judge(const System& system, const std::vector<std::size_t>& cut) {
-  Perturbation perturbation(system, cut, Redo::functions);
-  const Probe probe(system, perturbation);
-  const Sizes sizes = sizes_of(system, perturbation);
-  std::vector<Judgement> judgements;
-  judgements.reserve(probe.outputs().size());
-  for (const ProbedOutput& output : probe.outputs())
-    judgements.emplace_back(output, system.node(output.node).output().estimate, sizes,
-                            system.plan().nodes[output.node].type->states_no_error);
-  const auto glance = run_monte_carlo(system, perturbation, glance_trials, pilot_seed);
-  std::vector<bool> doubtful;
-  doubtful.reserve(judgements.size());
-  for (std::size_t o = 0; o < judgements.size(); ++o)
-    doubtful.push_back(judgements[o].doubtful(glance[o]));
-  if (std::find(doubtful.begin(), doubtful.end(), true) != doubtful.end()) {
-    const auto pilot = run_monte_carlo(system, perturbation, pilot_trials, pilot_seed);
-    for (std::size_t o = 0; o < judgements.size(); ++o)
-      if (doubtful[o]) judgements[o].take_pilot(pilot[o]);
+/// What the groups use one after another.
+struct Judge::Tools {
+  ErrorDraws draws;
+  SecondOrderSearch search = {};
+  std::vector<double> errors = {};
+};
+
+/// Nodes that are judged together.
+class Judge::Group {
+ public:
+  Group(std::vector<std::size_t> nodes, std::vector<std::size_t> places)
+      : nodes_(std::move(nodes)),
+        places_(std::move(places)),
+        second_orders_(nodes_.size()),
+        judgements_(nodes_.size()) {}
+
+  void judge(const System& system, const std::vector<std::size_t>& cut, Tools& tools,
+             std::vector<VerdictReport>& reports) {
+    for (std::size_t t = 0; t < nodes_.size(); ++t) {
+      const bool there = system.node(nodes_[t]).outcome.has_output();
+      reset(reports[places_[t]], there ? Verdict::linear_ok : Verdict::invalid);
+      second_orders_[t].wanted = there && !system.plan().nodes[nodes_[t]].type->states_no_error;
+    }
+    if (!any_wanted()) return;
+    if (perturbation_)
+      perturbation_->refresh();
+    else
+      perturbation_.emplace(system, nodes_, cut, Redo::functions);
+    for (std::size_t t = 0; t < nodes_.size(); ++t)
+      second_orders_[t].wanted &= perturbation_->movable(t) || !stated(system, t).lineage.empty();
+    if (!any_wanted()) return;
+    tools.search.run(system, *perturbation_, tools.draws, second_orders_);
+    sizes_.take(system, *perturbation_);
+    for (std::size_t t = 0; t < nodes_.size(); ++t)
+      if (second_orders_[t].wanted)
+        judgements_[t].begin(second_orders_[t], stated(system, t), sizes_,
+                             perturbation_->step_of(t), reports[places_[t]]);
+    look(tools);
   }
-  std::vector<VerdictReport> reports;
-  reports.reserve(judgements.size());
-  for (Judgement& judgement : judgements) reports.push_back(std::move(judgement).report());
-  return reports;
+
+ private:
+  bool any_wanted() const {
+    return std::any_of(second_orders_.begin(), second_orders_.end(),
+                       [](const SecondOrder& output) { return output.wanted; });
+  }
+  const Estimate& stated(const System& system, std::size_t target) const {
+    return system.node(nodes_[target]).output().estimate;
+  }
+
+  /// A glance at all, a pilot for those in doubt.
+  void look(Tools& tools) {
+    looked_at_.clear();
+    for (std::size_t t = 0; t < nodes_.size(); ++t)
+      if (second_orders_[t].wanted) looked_at_.push_back(t);
+    draw(tools, glance_trials);
+    std::erase_if(looked_at_, [&](std::size_t t) { return !judgements_[t].doubtful(); });
+    if (!looked_at_.empty()) draw(tools, pilot_trials);
+    for (const std::size_t t : looked_at_) judgements_[t].take_pilot();
+    for (std::size_t t = 0; t < nodes_.size(); ++t)
+      if (second_orders_[t].wanted) judgements_[t].finish();
+  }
+
+  void draw(Tools& tools, std::size_t trials) {
+    for (const std::size_t t : looked_at_) judgements_[t].begin_look();
+    const std::size_t count = perturbation_->sources().size();
+    for (std::size_t trial = 0; trial < trials; ++trial) {
+      const std::size_t row = trial % ErrorDraws::block;
+      if (row == 0)
+        tools.draws.fill(perturbation_->sources(), trial / ErrorDraws::block, tools.errors);
+      perturbation_->apply(std::span(tools.errors).subspan(row * count, count));
+      for (const std::size_t t : looked_at_) judgements_[t].take_trial(*perturbation_, t);
+    }
+  }
+
+  std::vector<std::size_t> nodes_;
+  std::vector<std::size_t> places_;  ///< of their reports
+  std::optional<Perturbation> perturbation_;
+  std::vector<SecondOrder> second_orders_;
+  std::vector<Judgement> judgements_;
+  Sizes sizes_;
+  std::vector<std::size_t> looked_at_;
+};
+
+Judge::Judge(const System& system, std::vector<std::size_t> nodes, std::vector<std::size_t> cut)
+    : system_(&system), cut_(std::move(cut)), reports_(nodes.size()) {
+  std::sort(cut_.begin(), cut_.end());
+  for (std::vector<std::size_t>& places : groups_of(system.plan(), nodes, cut_)) {
+    std::vector<std::size_t> members;
+    for (const std::size_t place : places) members.push_back(nodes[place]);
+    groups_.emplace_back(std::move(members), std::move(places));
+  }
+}
+
+Judge::~Judge() = default;
+Judge::Judge(Judge&&) noexcept = default;
+
+const std::vector<VerdictReport>& Judge::judge() {
+  if (!tools_)
+    tools_ = std::make_unique<Tools>(Tools{{system_->plan().owners, trial_seed}, {}, {}});
+  for (Group& group : groups_) group.judge(*system_, cut_, *tools_, reports_);
+  return reports_;
+}
+
+std::vector<VerdictReport> judge(const System& system, const std::vector<std::size_t>& cut) {
+  return Judge(system, system.plan().outputs, cut).judge();
 }
 
 }  // namespace ilss

@@ -1,6 +1,7 @@
 // The verdict: can the first-order error of an output be believed?
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,18 +51,50 @@ inline constexpr double negligible_error = 1e-3;
 /// A larger share of trials without an answer makes `invalid`.
 inline constexpr double largest_fault_share = 0.01;
 
-/// Judges the system's outputs as they stand after a tick or an expectation, in three steps.
+/// Judges outputs of a system as they stand after a tick or an expectation, in three steps.
 /// The second order: each source of the outputs' sensors, estimators and parameters is moved by
 /// ±sqrt(3) standard deviations (the points of third-order Gauss-Hermite quadrature) and the
 /// functions behind it are evaluated again, so that curvature of the whole chain counts, not that
 /// of single modules; then pairs are moved together, for what sources only do in company (x y at
-/// 0, 0): each pair of up to 12 sources, random signs of all where there are more. A glance: few
-/// trials of Monte Carlo, in which intervals, ellipsoid, mean and standard deviation must be as
+/// 0, 0): each pair of up to 12 sources, random signs of all where an output has more. A glance:
+/// few trials of Monte Carlo, in which intervals, ellipsoid, mean and standard deviation must be as
 /// stated but for what so few scatter. Where one of these is in doubt, a pilot of more trials
 /// decides; where the second order makes the larger part of a variance, or a component has no
-/// first-order error but one in the trials, it is monte_carlo_required. `cut` names function nodes
-/// whose outputs were given and are to be moved themselves. One report an output; an output that is
-/// not there is `invalid`. docs/error_model.md has misses and false alarms.
+/// first-order error but one in the trials, it is monte_carlo_required. docs/error_model.md has
+/// misses and false alarms.
+///
+/// An output costs what its own branch costs, some 600 evaluations of the functions in it: it is
+/// judged by the nodes that it follows from and by their sources, together with those outputs that
+/// share a function with it. One that no error reaches is linear_ok and costs nothing. Its verdict
+/// does not depend on which others are judged. Between ticks a judge keeps its modules and buffers;
+/// it may be asked at any ticks, and allocates nothing once warm, unless it meets faults.
+class Judge {
+ public:
+  /// Judges `nodes` in this order. `cut` names function nodes whose outputs were given and are to
+  /// be moved themselves. The system must outlive the judge.
+  Judge(const System& system, std::vector<std::size_t> nodes, std::vector<std::size_t> cut = {});
+  /// Judges the plan's outputs.
+  explicit Judge(const System& system) : Judge(system, system.plan().outputs) {}
+  ~Judge();
+  Judge(Judge&&) noexcept;
+  Judge& operator=(Judge&&) = delete;
+
+  /// Judges them as they stand now: one report a node, valid until the next call. A node without an
+  /// output is `invalid`.
+  const std::vector<VerdictReport>& judge();
+
+ private:
+  struct Tools;
+  class Group;
+
+  const System* system_;
+  std::vector<std::size_t> cut_;
+  std::vector<Group> groups_;
+  std::unique_ptr<Tools> tools_;
+  std::vector<VerdictReport> reports_;
+};
+
+/// Judges the system's outputs once, as Judge does.
 std::vector<VerdictReport> judge(const System& system, const std::vector<std::size_t>& cut = {});
 
 }  // namespace ilss

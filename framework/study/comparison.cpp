@@ -35,7 +35,7 @@ class ErrorCollector {
     squares_ += error.cwiseAbs2();
     measurement_.inside += is_inside(error);
     if (study_.recorded) return;
-    const Eigen::MatrixXd covariance = output.lineage.covariance() + truth_->lineage.covariance();
+    const Eigen::MatrixXd covariance = independent_covariance(output, *truth_);
     measurement_.consistency.add(normalized_squared_error(error, covariance));
     constexpr double two_sided_95 = 1.959963984540054;
     for (Eigen::Index c = 0; c < error.size(); ++c)
@@ -45,12 +45,11 @@ class ErrorCollector {
   void finish() {
     if (measurement_.outputs == 0) return;
     const auto n = static_cast<double>(measurement_.outputs);
+    const Eigen::VectorXd offset = value_ / n;
+    measurement_.value = retract(*study_.payload, first_.value,
+                                 std::span(offset.data(), study_.payload->dimension()));
+    if (truth_ == nullptr) return;
     for (Eigen::Index c = 0; c < dimension(); ++c) {
-      const auto component = static_cast<std::size_t>(c);
-      const double mean = first_.value[component] + value_[c] / n;
-      const bool circular = study_.payload->components[component].circular;
-      measurement_.value.push_back(circular ? wrap_angle(mean) : mean);
-      if (truth_ == nullptr) continue;
       const double bias = sum_[c] / n;
       const double scatter = std::max(0.0, squares_[c] - n * bias * bias);
       measurement_.errors.push_back({bias, n > 1 ? std::sqrt(scatter / (n - 1)) : 0,
@@ -72,7 +71,7 @@ class ErrorCollector {
   const Estimate* truth_;
   CaseMeasurement& measurement_;
   Estimate first_;
-  Eigen::VectorXd value_;  // of outputs - first output, summed
+  Eigen::VectorXd value_;  // of outputs ⊖ first output, summed
   Eigen::VectorXd sum_;
   Eigen::VectorXd squares_;
   Eigen::VectorXd covered_;
@@ -142,8 +141,8 @@ Outcome<Estimate> true_value(const StudySource& truth, std::uint64_t seed) {
   return state.output().estimate;
 }
 
-CaseAlternative carry_out(const Study& study, const StudySource& source, const Estimate* truth,
-                          std::uint64_t seed) {
+CaseAlternative measure_alternative(const Study& study, const StudySource& source,
+                                    const Estimate* truth, std::uint64_t seed) {
   CaseAlternative result;
   CaseMeasurement& measurement = result.measurement;
   ErrorCollector errors(study, truth, measurement);
@@ -208,9 +207,9 @@ Comparison compare(const Study& study) {
       compared.truth_fault =
           truth.is_fault() ? truth.fault() : Fault{FaultKind::no_detection, "nothing is due yet"};
     for (std::size_t a = 0; a < one.alternatives.size(); ++a)
-      compared.alternatives.push_back(carry_out(study, one.alternatives[a],
-                                                truth.has_output() ? &*truth : nullptr,
-                                                seed_of(study.alternatives[a])));
+      compared.alternatives.push_back(measure_alternative(study, one.alternatives[a],
+                                                          truth.has_output() ? &*truth : nullptr,
+                                                          seed_of(study.alternatives[a])));
   }
   summarise(study, comparison);
   return comparison;

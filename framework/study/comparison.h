@@ -25,7 +25,7 @@ struct CasePrediction {
   bool time_known() const { return unknown.empty(); }
 };
 
-/// The errors (estimate - truth) of one component over all outputs of a case.
+/// The errors (estimate ⊖ truth) of one component over all outputs of a case.
 struct ComponentErrors {
   double bias = 0;                ///< their mean
   double standard_deviation = 0;  ///< around the bias; 0 of a single output
@@ -96,9 +96,9 @@ inline constexpr double consistency_probability = 0.99;
 
 /// Carries out a study. A system is predicted (System::expect, judge, predict_time), then run
 /// `runs` times with fresh noise that follows from the study's seed and the names of alternative
-/// and case. Its errors are taken against one tick of the truth, differences of circular components
-/// wrapped; NEES uses the stated covariance and the truth's own. Faults are counted, never fatal.
-/// A system's random errors only are drawn where the study says so, else its constants' too.
+/// and case. Its errors are taken against one tick of the truth, by the payload's own
+/// difference; NEES uses the stated covariance and the truth's own. Faults are counted, never
+/// fatal. A system's random errors only are drawn where the study says so, else its constants' too.
 Comparison compare(const Study& study);
 
 }  // namespace ilss

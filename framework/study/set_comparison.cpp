@@ -17,13 +17,13 @@ struct MatchedElement {
   NormalizedError normalized;
   double distance;  ///< of places (m)
 
-  bool same_truth_as(const MatchedElement& other) const {
+  bool has_same_truth_as(const MatchedElement& other) const {
     return tick == other.tick && truth == other.truth;
   }
 };
 
 /// Elements of one tick's set; nothing where the system has no output.
-using TickElements = std::optional<std::vector<Estimate>>;
+using TickElements = std::optional<Elements>;
 
 /// Measures the modules of a tick but for simulated sensors, whose time is no device's.
 class WorkTimer final : public NodeObserver {
@@ -72,15 +72,15 @@ std::vector<TickElements> run_reference(const Plan& plan, const Study& study,
 
 std::vector<const Estimate*> elements_of(const ElementRule& rule,
                                          std::span<const Estimate> elements) {
-  std::vector<const Estimate*> concerned;
+  std::vector<const Estimate*> relevant;
   for (const Estimate& element : elements)
-    if (rule.concerns(element)) concerned.push_back(&element);
-  return concerned;
+    if (rule.applies_to(element)) relevant.push_back(&element);
+  return relevant;
 }
 
 MatchedElement judge_match(const ElementRule& rule, const Estimate& truth, const Estimate& found) {
   const Eigen::VectorXd error = difference(found, truth.value);
-  const Eigen::MatrixXd covariance = found.lineage.covariance() + truth.lineage.covariance();
+  const Eigen::MatrixXd covariance = independent_covariance(found, truth);
   MatchedElement match{};
   match.error = error(rule.judged);
   match.normalized = normalized_squared_error(match.error, covariance(rule.judged, rule.judged));
@@ -172,7 +172,7 @@ std::vector<double> relative_deviations(const std::vector<MatchedElement>& match
     while (other != reference.end() &&
            std::pair(other->tick, other->truth) < std::pair(match.tick, match.truth))
       ++other;
-    if (other != reference.end() && other->same_truth_as(match))
+    if (other != reference.end() && other->has_same_truth_as(match))
       common.emplace_back(&match, &*other);
   }
   if (common.size() < 2) return {};

@@ -22,15 +22,14 @@ std::optional<double> interval_cost(const ElementRule& rule, const Estimate& a, 
 
 std::optional<double> place_cost(const ElementRule& rule, const Estimate& a, const Estimate& b) {
   if (a.labels != b.labels) return std::nullopt;
-  double squared = 0;
-  for (const std::size_t c : rule.place) squared += std::pow(a.value[c] - b.value[c], 2);
+  const double squared = difference(a, b.value)(rule.place).squaredNorm();
   if (!(squared <= rule.gate * rule.gate)) return std::nullopt;
   return std::sqrt(squared);
 }
 
 }  // namespace
 
-bool ElementRule::concerns(const Estimate& element) const {
+bool ElementRule::applies_to(const Estimate& element) const {
   return element.type->name == type->name &&
          std::all_of(only.begin(), only.end(), [&](const auto& label) {
            return label.first < element.labels.size() &&
@@ -72,12 +71,12 @@ std::vector<ElementMatch> match_elements(const ElementRule& rule,
     }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
-  std::vector<char> truth_taken(truth.size(), 0);
-  std::vector<char> found_taken(found.size(), 0);
+  std::vector<char> truth_matched(truth.size(), 0);
+  std::vector<char> found_matched(found.size(), 0);
   std::vector<ElementMatch> matches;
   for (const auto& [cost, match] : candidates) {
-    if (truth_taken[match.truth] || found_taken[match.found]) continue;
-    truth_taken[match.truth] = found_taken[match.found] = 1;
+    if (truth_matched[match.truth] || found_matched[match.found]) continue;
+    truth_matched[match.truth] = found_matched[match.found] = 1;
     matches.push_back(match);
   }
   std::sort(matches.begin(), matches.end(),

@@ -22,7 +22,7 @@ struct ElementRule {
   double gate = 0.1;                    ///< largest distance of places (m)
   std::vector<std::pair<std::size_t, int>> only = {};  ///< labels that elements must have
 
-  bool concerns(const Estimate& element) const;
+  bool applies_to(const Estimate& element) const;
 };
 
 /// The rule for a payload as its components' names have it: an interval where there are

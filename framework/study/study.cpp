@@ -279,10 +279,11 @@ void StudyReader::read_rows(const Node& node, Side& side) {
         continue;
       }
       if (!side.rows[r]) continue;
-      const double value = conversion.scale * std::get<double>(number) + conversion.offset;
-      (*side.rows[r]).value[c] = component.circular ? wrap_angle(value) : value;
+      (*side.rows[r]).value[c] = conversion.scale * std::get<double>(number) + conversion.offset;
     }
   }
+  for (Outcome<Estimate>& row : side.rows)
+    if (row) normalize(*study_.payload, row->value);
 }
 
 std::optional<std::size_t> StudyReader::read_column(const Node& node, const Component& component,

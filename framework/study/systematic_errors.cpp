@@ -7,18 +7,17 @@ namespace ilss {
 
 Outcome<> draw_systematic_errors(const System& system, std::uint64_t seed, Estimate& output) {
   constexpr bool with_lineages = true;
-  Perturbation perturbation(system, {}, Redo::functions, with_lineages);
-  const std::vector<Source>& sources = perturbation.sources();
+  const auto first_output = std::span(system.plan().outputs).first(1);
+  Perturbation perturbation(system, first_output, {}, Redo::functions, with_lineages);
+  const std::span<const Source> sources = perturbation.sources();
   std::vector<double> errors;
-  ErrorDraws(sources, system.plan().owners, seed).fill(0, errors);
+  ErrorDraws(system.plan().owners, seed).fill(sources, 0, errors);
   for (std::size_t k = 0; k < sources.size(); ++k)
     if (!sources[k].persistent()) errors[k] = 0;  // drawn by the tick
   perturbation.apply(std::span(errors).first(sources.size()));
-  const std::size_t node = system.plan().outputs.front();
-  if (perturbation.failed(node)) return perturbation.fault(node);
-  output = perturbation.value(node);
-  for (std::size_t c = 0; c < output.dimension(); ++c)
-    if (output.type->components[c].circular) output.value[c] = wrap_angle(output.value[c]);
+  if (perturbation.failed(0)) return perturbation.fault(0);
+  output = perturbation.value(0);
+  normalize(*output.type, output.value);
   return {};
 }
 

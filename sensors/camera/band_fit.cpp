@@ -202,16 +202,16 @@ std::optional<Optimum> minimize(const BandProblem& problem, const Unknowns& star
     if (factor.info() != Eigen::Success || !(factor.rcond() > least_condition)) return std::nullopt;
     const Unknowns step = factor.solve(gradient);
     variance = std::max(best.cost / problem.degrees_of_freedom(), rounding_variance);
-    const double promised = step.dot(gradient);
-    const bool last = promised < converged * converged * variance;
+    const double predicted_decrease = step.dot(gradient);
+    const bool last = predicted_decrease < converged * converged * variance;
     Optimum trial{best.x + step, 0, {}};
     Unknowns trial_gradient;
     const bool possible =
         problem.linearize(trial.x, trial.cost, trial.normal, trial_gradient, nullptr);
-    const double kept = possible ? (best.cost - trial.cost) / promised : -1;
-    if (kept < 0.25)
+    const double gain_ratio = possible ? (best.cost - trial.cost) / predicted_decrease : -1;
+    if (gain_ratio < 0.25)
       damping = std::max(4 * damping, 0.5);
-    else if (kept > 0.75)
+    else if (gain_ratio > 0.75)
       damping = damping < 0.1 ? 0 : 0.1 * damping;
     if (possible && trial.cost <= best.cost) {
       improvement = best.cost - trial.cost;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "sensors/camera/scene_renderer.h"
 
@@ -23,7 +22,6 @@ void take_intrinsics(const Estimate& parameters, Estimate& image) {
       Eigen::Matrix<double, rows, columns>::Identity();
   const LineageTerm term{selection.data(), &parameters.lineage};
   compose({&term, 1}, image_dimension, image.lineage);
-  image.correlation_unknown = parameters.correlation_unknown;
 }
 
 Outcome<> check_intrinsics(const Estimate& parameters) {
@@ -137,16 +135,14 @@ const std::vector<double>& Camera::rendered(const Estimate& parameters) {
 
 void Camera::simulate(const Evaluation& evaluation, double noise_std, Output& output) {
   const std::vector<double>& levels = rendered(evaluation.parameters);
-  Samples& samples = output.samples;
-  samples.shape = {static_cast<std::size_t>(options_.rows),
-                   static_cast<std::size_t>(options_.columns)};
-  samples.levels.resize(levels.size());
-  samples.standard_deviations.clear();
+  const std::span<std::uint8_t> grey =
+      make_levels(output.samples, static_cast<std::size_t>(options_.rows),
+                  static_cast<std::size_t>(options_.columns));
+  output.samples.standard_deviations.clear();
   RandomBits bits = evaluation.random();
-  std::normal_distribution<double> noise;
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    const double level = noise_std > 0 ? levels[i] + noise_std * noise(bits) : levels[i];
-    samples.levels[i] = static_cast<std::uint8_t>(std::clamp(std::round(level), 0.0, 255.0));
+    const double level = noise_std > 0 ? levels[i] + noise_std * draw_normal(bits) : levels[i];
+    grey[i] = static_cast<std::uint8_t>(std::clamp(std::round(level), 0.0, 255.0));
   }
 }
 

@@ -50,10 +50,10 @@ class Camera final : public Module {
          0},
         {"robot.x", "m", "the robot in the simulated world", 0},
         {"robot.z", "m", "the robot in the simulated world", 0},
-        {"robot.heading", "rad", "from the world's x axis towards z", 0, true},
+        {"robot.heading", "rad", "from the world's x axis towards z", 0, Geometry::circular},
         {"mount.x", "m", "the camera in the robot's frame, forward", 0},
         {"mount.z", "m", "the camera in the robot's frame, to the right", 0},
-        {"mount.heading", "rad", "the camera in the robot's frame", 0, true}};
+        {"mount.heading", "rad", "the camera in the robot's frame", 0, Geometry::circular}};
   };
 
   /// Where the images come from: exactly one of these.

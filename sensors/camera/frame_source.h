@@ -26,7 +26,7 @@ class FrameSource {
   FrameSource(const FrameSource&) = delete;
   FrameSource& operator=(const FrameSource&) = delete;
 
-  /// Reads the next image into `samples.shape` ({rows, columns}) and `samples.levels`. Faults:
+  /// Reads the next image's grey levels, of shape {rows, columns}. Faults:
   /// `end_of_data`, `bad_data` (a file that holds no image), `device_lost` (a file, folder or
   /// device that cannot be opened, or stopped).
   virtual Outcome<> next(Samples& samples) = 0;

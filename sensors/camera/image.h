@@ -1,7 +1,11 @@
 // A grey image together with the camera that took it.
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "framework/estimate/payload.h"
+#include "framework/module/sample_rows.h"
 
 namespace ilss {
 
@@ -27,10 +31,24 @@ struct Image {
              {"k3", "1", "radial distortion by the radius to the sixth", 0},
              {"position_std", "1",
               "error of a detected position beyond what the image shows, in pixels", 0}};
-  static SamplesDescriptor samples() { return {"1", {"row", "column"}}; }
+  static SamplesDescriptor samples() {
+    return {{"row", "column"},
+            {{"level", "1", "grey level, 0 black to 255 white", sample_type_of<std::uint8_t>}}};
+  }
 
   /// Pixels per unit of tangent: the focal length in pixels.
   T magnification() const { return focal_length / pixel_pitch; }
 };
+
+/// The grey levels of an image's output, row after row.
+inline std::span<const std::uint8_t> levels_of(const Output& image) {
+  return rows_of<std::uint8_t>(image);
+}
+
+/// Room for an image's grey levels, to be written by the caller.
+inline std::span<std::uint8_t> make_levels(Samples& samples, std::size_t rows,
+                                           std::size_t columns) {
+  return make_rows<std::uint8_t>(samples, {rows, columns});
+}
 
 }  // namespace ilss

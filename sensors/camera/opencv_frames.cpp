@@ -9,16 +9,17 @@
 #include <utility>
 
 #include "sensors/camera/frame_source.h"
+#include "sensors/camera/image.h"
 
 namespace ilss {
 namespace {
 
 void copy_levels(const cv::Mat& grey, Samples& samples) {
-  samples.shape = {static_cast<std::size_t>(grey.rows), static_cast<std::size_t>(grey.cols)};
-  samples.levels.resize(samples.shape[0] * samples.shape[1]);
+  const auto levels = make_levels(samples, static_cast<std::size_t>(grey.rows),
+                                  static_cast<std::size_t>(grey.cols));
   for (int row = 0; row < grey.rows; ++row)
     std::copy_n(grey.ptr<std::uint8_t>(row), grey.cols,
-                samples.levels.begin() + static_cast<std::ptrdiff_t>(row) * grey.cols);
+                levels.begin() + static_cast<std::ptrdiff_t>(row) * grey.cols);
 }
 
 /// Files in the order given, folders' files in order of name.

@@ -77,7 +77,7 @@ void RangeCalibration::add_calibration_error(const Evaluation& evaluation, doubl
 Outcome<> RangeCalibration::evaluate(const Evaluation& evaluation, Output& output) {
   if (!fit_) return Fault{FaultKind::degenerate, undetermined};
   const Estimate& row = evaluation.input(0);
-  const double height = fit_->horizon - row.value[0];
+  const double height = fit_->horizon - row.value[index_of<ImageRow>("row")];
   if (!(height > 0))
     return Fault{FaultKind::out_of_range,
                  "the row lies on or below the calibrated horizon: no range shows there"};
@@ -86,7 +86,6 @@ Outcome<> RangeCalibration::evaluate(const Evaluation& evaluation, Output& outpu
   const double by_row = range / height;
   const LineageTerm term{&by_row, &row.lineage};
   compose({&term, 1}, 1, output.estimate.lineage);
-  output.estimate.correlation_unknown = row.correlation_unknown;
   add_calibration_error(evaluation, range, output.estimate);
   return {};
 }
@@ -95,7 +94,7 @@ Outcome<> RangeCalibration::expect(const Evaluation& evaluation, const Output* o
                                    Output& output) {
   if (operating_point == nullptr) return evaluate(evaluation, output);
   if (!fit_) return Fault{FaultKind::degenerate, undetermined};
-  const double range = operating_point->estimate.value[0];
+  const double range = operating_point->estimate.value[index_of<WallRange>("range")];
   output.estimate.value.assign(1, range);
   output.estimate.lineage.reset(1);
   output.estimate.lineage.add(evaluation.fresh(0), 0, range * range / fit_->scale * fit_->row_std);

@@ -103,8 +103,8 @@ LineCandidate find_line(const std::vector<Run>& runs, const ImageView& view) {
   StraightEdge best{0, 0, std::floor(0.5 * view.along_size), false};
   int most = 0;
   for (int trial = 0; trial < most_trials; ++trial) {
-    const Run& p = runs[random() % runs.size()];
-    const Run& q = runs[random() % runs.size()];
+    const Run& p = runs[draw_index(random, runs.size())];
+    const Run& q = runs[draw_index(random, runs.size())];
     const double width = q.ideal.column - p.ideal.column;
     if (4 * std::abs(width) < view.along_size) continue;
     StraightEdge line = best;

@@ -139,19 +139,19 @@ void write_rows(const std::array<BandFit, 3>& fits, const Image<double>& camera,
   const LineageTerm term{by_camera.data(), &evaluation.input(0).lineage};
   compose({&term, 1}, 3, estimate.lineage);
   estimate.lineage.add_noise(evaluation.fresh(0), covariance);
-  estimate.correlation_unknown = evaluation.input(0).correlation_unknown;
 }
 
 Outcome<> measure(const Evaluation& evaluation, double least_noise, Output& output) {
   const Samples& samples = evaluation.inputs[0]->samples;
   const Image<double> camera = payload_of<Image>(evaluation.input(0));
-  if (samples.shape.size() != 2 || samples.levels.empty() ||
-      samples.levels.size() != samples.shape[0] * samples.shape[1])
+  const std::span<const std::uint8_t> levels = levels_of(*evaluation.inputs[0]);
+  if (samples.shape.size() != 2 || levels.empty() ||
+      levels.size() != samples.shape[0] * samples.shape[1])
     return Fault{FaultKind::bad_data,
                  "the image has no grey levels, or not rows x columns of them"};
   if (!(camera.pixel_pitch > 0) || !(camera.focal_length > 0))
     return Fault{FaultKind::bad_data, "the camera's pixel pitch and focal length must be above 0"};
-  const ImageView view = horizontal_view(samples.levels.data(), static_cast<int>(samples.shape[0]),
+  const ImageView view = horizontal_view(levels.data(), static_cast<int>(samples.shape[0]),
                                          static_cast<int>(samples.shape[1]));
   const auto target = detect_target(view, camera);
   if (!target) return target.fault();

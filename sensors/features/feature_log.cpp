@@ -141,7 +141,6 @@ void FeatureLog::emit(const Evaluation& evaluation, const RecordedSet& set, Outp
     element.frame = output.estimate.frame;
     element.value = feature.value;
     element.labels = feature.labels;
-    element.correlation_unknown = true;
     element.lineage.reset(feature.value.size());
     for (Eigen::Index k = 0; k < feature.factor.cols(); ++k)
       element.lineage.add(

@@ -5,23 +5,48 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 namespace ilss {
 namespace {
 
+/// Which components are a place, and which are a line.
+struct PlaceParts {
+  int x, z;
+};
+struct LineParts {
+  int rho, phi;
+};
+
+template <template <typename> class Feature>
+consteval int part(std::string_view name) {
+  return static_cast<int>(index_of<Feature>(name));
+}
+
+template <template <typename> class Feature>
+consteval PlaceParts place(std::string_view x, std::string_view z) {
+  return {part<Feature>(x), part<Feature>(z)};
+}
+
 /// Where a type of feature keeps what turns and moves.
 struct FeatureParts {
   const PayloadDescriptor* type;
-  std::vector<int> places;  ///< of each the index of its x, which its z follows
-  int rho = -1;             ///< of a line, which its phi follows
-  int edge_phi = -1;        ///< of an edge, whose place is the first
+  std::vector<PlaceParts> places;
+  std::optional<LineParts> line = {};
+  std::optional<int> edge_phi = {};  ///< of an edge, whose place is the first
 };
 
 const FeatureParts* parts_of(const PayloadDescriptor* type) {
-  static const std::array<FeatureParts, 4> known = {{{&descriptor<LineSegment>(), {2, 4}, 0},
-                                                     {&descriptor<ArcSegment>(), {0, 3, 5}},
-                                                     {&descriptor<Corner>(), {0}},
-                                                     {&descriptor<SurfaceEdge>(), {0}, -1, 2}}};
+  static const std::array<FeatureParts, 4> known = {
+      {{&descriptor<LineSegment>(),
+        {place<LineSegment>("start_x", "start_z"), place<LineSegment>("end_x", "end_z")},
+        LineParts{part<LineSegment>("rho"), part<LineSegment>("phi")}},
+       {&descriptor<ArcSegment>(),
+        {place<ArcSegment>("centre_x", "centre_z"), place<ArcSegment>("start_x", "start_z"),
+         place<ArcSegment>("end_x", "end_z")}},
+       {&descriptor<Corner>(), {place<Corner>("x", "z")}},
+       {&descriptor<SurfaceEdge>(), {place<SurfaceEdge>("x", "z")}, {}, part<SurfaceEdge>("phi")}}};
   const auto* const found = std::find_if(
       known.begin(), known.end(),
       [&](const FeatureParts& parts) { return type != nullptr && parts.type->name == type->name; });
@@ -35,23 +60,23 @@ struct Motion {
   double cosine = std::cos(pose.heading);
   double sine = std::sin(pose.heading);
 
-  void move_place(const Estimate& feature, int x, MovedFeature& moved) const {
-    const auto i = static_cast<std::size_t>(x);
-    const int forward = camera ? x + 1 : x;
-    const int right = camera ? x : x + 1;
-    const double p = feature.value[camera ? i + 1 : i];
-    const double q = feature.value[camera ? i : i + 1];
+  void move_place(const Estimate& feature, const PlaceParts& place, MovedFeature& moved) const {
+    const auto [x, z] = place;
+    const int forward = camera ? z : x;
+    const int right = camera ? x : z;
+    const double p = feature.value[static_cast<std::size_t>(forward)];
+    const double q = feature.value[static_cast<std::size_t>(right)];
     const double across = cosine * p - sine * q;
     const double along = sine * p + cosine * q;
     moved.value[x] = pose.x + across;
-    moved.value[x + 1] = pose.z + along;
+    moved.value[z] = pose.z + along;
     moved.by_feature.row(x).setZero();
-    moved.by_feature.row(x + 1).setZero();
-    moved.by_feature(x, forward) = moved.by_feature(x + 1, right) = cosine;
+    moved.by_feature.row(z).setZero();
+    moved.by_feature(x, forward) = moved.by_feature(z, right) = cosine;
     moved.by_feature(x, right) = -sine;
-    moved.by_feature(x + 1, forward) = sine;
+    moved.by_feature(z, forward) = sine;
     moved.by_pose.row(x) << 1, 0, -along;
-    moved.by_pose.row(x + 1) << 0, 1, across;
+    moved.by_pose.row(z) << 0, 1, across;
   }
 
   /// Turns a normal's direction; `flip` where it would point towards the origin.
@@ -63,8 +88,8 @@ struct Motion {
     moved.by_pose.row(phi) << 0, 0, 1;
   }
 
-  void move_line(const Estimate& feature, int rho, MovedFeature& moved) const {
-    const int phi = rho + 1;
+  void move_line(const Estimate& feature, const LineParts& line, MovedFeature& moved) const {
+    const auto [rho, phi] = line;
     const double turned = direction(feature.value[static_cast<std::size_t>(phi)]);
     const double c = std::cos(turned);
     const double s = std::sin(turned);
@@ -95,13 +120,13 @@ MovedFeature move_feature(const Estimate& feature, const PlanarPose<double>& pos
   moved.by_feature.setIdentity(n, n);
   moved.by_pose.setZero(n, 3);
   const Motion motion{pose, axes == PlaneAxes::camera};
-  for (const int x : parts.places) motion.move_place(feature, x, moved);
-  if (parts.rho >= 0) motion.move_line(feature, parts.rho, moved);
-  if (parts.edge_phi >= 0) {
-    const double phi = motion.direction(feature.value[static_cast<std::size_t>(parts.edge_phi)]);
-    const int x = parts.places.front();
-    const double distance = std::cos(phi) * moved.value[x] + std::sin(phi) * moved.value[x + 1];
-    motion.turn(feature, parts.edge_phi, distance < 0, moved);
+  for (const PlaceParts& place : parts.places) motion.move_place(feature, place, moved);
+  if (parts.line) motion.move_line(feature, *parts.line, moved);
+  if (parts.edge_phi) {
+    const double phi = motion.direction(feature.value[static_cast<std::size_t>(*parts.edge_phi)]);
+    const auto [x, z] = parts.places.front();
+    const double distance = std::cos(phi) * moved.value[x] + std::sin(phi) * moved.value[z];
+    motion.turn(feature, *parts.edge_phi, distance < 0, moved);
   }
   return moved;
 }
@@ -164,8 +189,6 @@ Outcome<> FeaturesTransform::move(const Evaluation& evaluation, const Pose& pose
   element.frame = options_.to;
   element.labels = feature.labels;
   element.value.assign(moved.value.data(), moved.value.data() + rows);
-  element.correlation_unknown = evaluation.correlation_unknown || feature.correlation_unknown ||
-                                (terms.size() > 2 && evaluation.input(1).correlation_unknown);
   if (evaluation.correlation_unknown)
     compose_bounded(terms, rows,
                     evaluation.fresh(static_cast<std::uint32_t>(index * Fields::capacity)),
@@ -187,14 +210,10 @@ Outcome<> FeaturesTransform::evaluate(const Evaluation& evaluation, Output& outp
   const Output& features = *evaluation.inputs[0];
   const Pose pose = pose_of(evaluation);
   output.elements.resize(features.elements.size());
-  bool unknown = evaluation.correlation_unknown;
-  for (std::size_t i = 0; i < features.elements.size(); ++i) {
+  for (std::size_t i = 0; i < features.elements.size(); ++i)
     if (Outcome<> outcome = move(evaluation, pose, i, output.elements[i]); !outcome) return outcome;
-    unknown |= output.elements[i].correlation_unknown;
-  }
   output.estimate.value = features.estimate.value;
   output.estimate.lineage = features.estimate.lineage;
-  output.estimate.correlation_unknown = unknown || features.estimate.correlation_unknown;
   return {};
 }
 

@@ -13,6 +13,18 @@ constexpr double degree = std::numbers::pi / 180;
 /// From straight ahead to the left, of a place right and ahead.
 double to_the_left(double x, double z) { return std::atan2(-x, z); }
 
+/// The place of a corner or an edge, which have it in the same components.
+struct Place {
+  static constexpr std::size_t of_x = index_of<Corner>("x");
+  static constexpr std::size_t of_z = index_of<Corner>("z");
+  static_assert(of_x == index_of<SurfaceEdge>("x") && of_z == index_of<SurfaceEdge>("z"));
+
+  double x;
+  double z;
+
+  explicit Place(const Estimate& feature) : x(feature.value[of_x]), z(feature.value[of_z]) {}
+};
+
 }  // namespace
 
 void Fixate::Options::declare(OptionVisitor& visit) {
@@ -40,7 +52,8 @@ void Fixate::reset() {
 
 double Fixate::expected_bearing() const {
   if (!last_) return options_.bearing;
-  return to_the_left(last_->place.value[0], last_->place.value[1]);
+  const Place place(last_->place);
+  return to_the_left(place.x, place.z);
 }
 
 /// Whether a feature is an edge of the kind that counts: a corner, a jump, or either.
@@ -51,27 +64,29 @@ bool Fixate::is_wanted(const Estimate& feature) const {
          (is_jump && options_.edge != FixatedEdge::corner);
 }
 
-const Estimate* Fixate::choose(const std::vector<Estimate>& features, double time) const {
+const Estimate* Fixate::choose(std::span<const Estimate> features, double time) const {
   const Estimate* best = nullptr;
   double least = INFINITY;
   double expected_x = 0;
   double expected_z = 0;
   const bool follows = last_ && missed_ <= options_.patience;
   if (follows) {
-    expected_x = last_->place.value[0];
-    expected_z = last_->place.value[1];
+    const Place last(last_->place);
+    expected_x = last.x;
+    expected_z = last.z;
     if (before_ && last_->time > before_->time) {
+      const Place before(before_->place);
       const double share = (time - last_->time) / (last_->time - before_->time);
-      expected_x += share * (expected_x - before_->place.value[0]);
-      expected_z += share * (expected_z - before_->place.value[1]);
+      expected_x += share * (last.x - before.x);
+      expected_z += share * (last.z - before.z);
     }
   }
   for (const Estimate& feature : features) {
     if (!is_wanted(feature)) continue;
-    const double x = feature.value[0];
-    const double z = feature.value[1];
-    const double distance = follows ? std::hypot(x - expected_x, z - expected_z)
-                                    : std::abs(wrap_angle(to_the_left(x, z) - expected_bearing()));
+    const Place place(feature);
+    const double distance =
+        follows ? std::hypot(place.x - expected_x, place.z - expected_z)
+                : std::abs(wrap_angle(to_the_left(place.x, place.z) - expected_bearing()));
     if (distance >= least || (follows && distance > options_.gate)) continue;
     least = distance;
     best = &feature;
@@ -98,9 +113,9 @@ Outcome<> Fixate::evaluate(const Evaluation& evaluation, Output& output) {
     const double now = last_->place.value[i];
     return before_ ? now + lead * (now - before_->place.value[i]) : now;
   };
-  const double x = at(0);
-  const double z = at(1);
-  const double mount = evaluation.parameters.value[0];
+  const double x = at(Place::of_x);
+  const double z = at(Place::of_z);
+  const double mount = payload_of<Parameters>(evaluation.parameters).mount_heading;
   const double angle = wrap_angle(to_the_left(x, z) - mount);
   if (!(std::abs(angle) <= options_.stop))
     return Fault{FaultKind::out_of_range,
@@ -109,8 +124,12 @@ Outcome<> Fixate::evaluate(const Evaluation& evaluation, Output& output) {
   assign<HeadAngle>(output.estimate, {angle});
   const double square = x * x + z * z;
   // An edge also has a direction, which does not matter.
-  const std::array<double, 3> by_now{-(1 + lead) * z / square, (1 + lead) * x / square, 0};
-  const std::array<double, 3> by_before{lead * z / square, -lead * x / square, 0};
+  std::array<double, dimension_of<SurfaceEdge>> by_now{};
+  by_now[Place::of_x] = -(1 + lead) * z / square;
+  by_now[Place::of_z] = (1 + lead) * x / square;
+  std::array<double, dimension_of<SurfaceEdge>> by_before{};
+  by_before[Place::of_x] = lead * z / square;
+  by_before[Place::of_z] = -lead * x / square;
   const double by_mount = -1;
   std::array<LineageTerm, 3> terms{{{by_now.data(), &last_->place.lineage},
                                     {&by_mount, &evaluation.parameters.lineage},

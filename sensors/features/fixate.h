@@ -17,8 +17,8 @@ struct HeadAngle {
   T angle;
   static constexpr std::string_view name = "head_angle";
   static constexpr std::string_view documentation = "where a sensor's head is to look";
-  static constexpr auto fields =
-      Fields{{"angle", "rad", "from straight ahead, positive to the left", required, true}};
+  static constexpr auto fields = Fields{
+      {"angle", "rad", "from straight ahead, positive to the left", required, Geometry::circular}};
 };
 
 /// Which edges count.
@@ -49,7 +49,8 @@ class Fixate final : public Module {
     T mount_heading;
     static constexpr std::string_view name = "fixate_parameters";
     static constexpr auto fields =
-        Fields{{"mount.heading", "rad", "the scan's axis in the head, to the left", 0, true}};
+        Fields{{"mount.heading", "rad", "the scan's axis in the head, to the left", 0,
+                Geometry::circular}};
   };
 
   struct Options {
@@ -75,7 +76,7 @@ class Fixate final : public Module {
     Estimate place;
   };
   bool is_wanted(const Estimate& feature) const;
-  const Estimate* choose(const std::vector<Estimate>& features, double time) const;
+  const Estimate* choose(std::span<const Estimate> features, double time) const;
   double expected_bearing() const;
 
   Options options_;

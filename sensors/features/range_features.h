@@ -23,16 +23,16 @@ struct LineSegment {
 
   static constexpr std::string_view name = "line_segment";
   static constexpr std::string_view documentation = "a straight piece of surface";
-  static constexpr auto fields =
-      Fields{{"rho", "m", "distance of the line from the frame's origin, not negative"},
-             {"phi", "rad", "direction of its normal, from x towards z", required, true},
-             {"start_x", "m", "where the scan's first ray met it"},
-             {"start_z", "m", "the same"},
-             {"end_x", "m", "where the last ray met it"},
-             {"end_z", "m", "the same"},
-             {"readings", "1", "how many it explains; exact"},
-             {"first_reading", "1", "in the scan; exact"},
-             {"last_reading", "1", "in the scan; exact"}};
+  static constexpr auto fields = Fields{
+      {"rho", "m", "distance of the line from the frame's origin, not negative"},
+      {"phi", "rad", "direction of its normal, from x towards z", required, Geometry::circular},
+      {"start_x", "m", "where the scan's first ray met it"},
+      {"start_z", "m", "the same"},
+      {"end_x", "m", "where the last ray met it"},
+      {"end_z", "m", "the same"},
+      {"readings", "1", "how many it explains; exact"},
+      {"first_reading", "1", "in the scan; exact"},
+      {"last_reading", "1", "in the scan; exact"}};
   static constexpr std::span<const LabelField> labels = line_segment_labels;
 };
 
@@ -85,7 +85,8 @@ struct SurfaceEdge {
   static constexpr auto fields =
       Fields{{"x", "m", "its place"},
              {"z", "m", "its place"},
-             {"phi", "rad", "direction of the surface's normal, as of its line", required, true}};
+             {"phi", "rad", "direction of the surface's normal, as of its line", required,
+              Geometry::circular}};
 };
 
 /// A set of line segments, arcs, corners and edges, in the order in which the sensor saw them:

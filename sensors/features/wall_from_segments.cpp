@@ -6,7 +6,7 @@ namespace ilss {
 namespace {
 
 /// Components of line_segment that become wall points: both ends' x and z.
-constexpr std::size_t first_end = 2;
+constexpr std::size_t first_end = index_of<LineSegment>("start_x");
 constexpr std::size_t end_count = 4;
 
 /// Whether the ray from the origin at `bearing` meets the segment.
@@ -57,7 +57,6 @@ Outcome<> WallFromSegments::evaluate(const Evaluation& evaluation, Output& outpu
   for (std::size_t k = 0; k < best->lineage.size(); ++k)
     output.estimate.lineage.add(best->lineage.sources()[k],
                                 best->lineage.column(k).subspan(first_end, end_count));
-  output.estimate.correlation_unknown = best->correlation_unknown;
   return {};
 }
 

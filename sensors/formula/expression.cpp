@@ -197,9 +197,7 @@ class Expression final : public Module {
         return fault(*trouble);
       estimate.lineage.reset(rows);
     }
-    for (std::size_t i = 0; i < rows; ++i)
-      if (estimate.type->components[i].circular) estimate.value[i] = wrap_angle(estimate.value[i]);
-    estimate.correlation_unknown = ArgumentReader::correlation_unknown(evaluation);
+    settle_result(estimate);
     return check_finite(estimate);
   }
 

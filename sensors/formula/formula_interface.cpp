@@ -122,8 +122,8 @@ const PayloadDescriptor* output_payload(const FormulaInterface& interface) {
     if (!output.dimension) return nullptr;
     if (interface.payload.empty())
       payload.name += (payload.name.empty() ? "" : "_") + output.name.text;
-    payload.components.push_back(
-        {output.name.text, output.dimension->unit(), "", std::nullopt, output.circular});
+    payload.components.push_back({output.name.text, output.dimension->unit(), "", std::nullopt,
+                                  output.circular ? Geometry::circular : Geometry::plain});
   }
   return payload.components.empty() ? nullptr : &intern_payload(std::move(payload));
 }
@@ -169,7 +169,10 @@ void report_unused(const FormulaInterface& interface, const FormulaArguments& ar
 }
 
 ArgumentReader::ArgumentReader(const FormulaArguments& arguments)
-    : first_(arguments.first), values_(arguments.list.size()), terms_(arguments.first.size() - 1) {}
+    : first_(arguments.first),
+      values_(arguments.list.size()),
+      terms_(arguments.first.size() - 1),
+      in_tangent_(terms_.size()) {}
 
 const Estimate& ArgumentReader::group(const Evaluation& evaluation, std::size_t i) const {
   return i + 1 < terms_.size() ? evaluation.input(i) : evaluation.parameters;
@@ -188,26 +191,41 @@ bool ArgumentReader::any_error(const Evaluation& evaluation) {
                      [](const Output* input) { return !input->estimate.lineage.empty(); });
 }
 
-bool ArgumentReader::correlation_unknown(const Evaluation& evaluation) {
-  return evaluation.correlation_unknown ||
-         std::any_of(evaluation.inputs.begin(), evaluation.inputs.end(),
-                     [](const Output* input) { return input->estimate.correlation_unknown; });
-}
-
 bool ArgumentReader::has_error(const Evaluation& evaluation, std::size_t argument) const {
   std::size_t i = 0;
   while (argument >= first_[i + 1]) ++i;
-  return group(evaluation, i).lineage.variance(argument - first_[i]) > 0;
+  const Estimate& estimate = group(evaluation, i);
+  // An error of a rotation moves all of its components.
+  return is_flat(*estimate.type) ? estimate.lineage.variance(argument - first_[i]) > 0
+                                 : !estimate.lineage.empty();
 }
 
 void ArgumentReader::propagate(const Evaluation& evaluation, std::span<const double> jacobian,
                                std::size_t rows, Lineage& lineage) {
-  for (std::size_t i = 0; i < terms_.size(); ++i)
-    terms_[i] = {jacobian.data() + rows * first_[i], &group(evaluation, i).lineage};
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    const Estimate& estimate = group(evaluation, i);
+    terms_[i] = {jacobian.data() + rows * first_[i], &estimate.lineage};
+    if (is_flat(*estimate.type)) continue;
+    const Eigen::Map<const Eigen::MatrixXd> by_components(
+        terms_[i].jacobian, static_cast<Eigen::Index>(rows),
+        static_cast<Eigen::Index>(estimate.dimension()));
+    in_tangent_[i] = by_components * difference_by_first(*estimate.type, estimate.value);
+    terms_[i].jacobian = in_tangent_[i].data();
+  }
   if (evaluation.correlation_unknown)
     compose_bounded(terms_, rows, evaluation.fresh(0), lineage);
   else
     compose(terms_, rows, lineage);
+}
+
+void settle_result(Estimate& estimate) {
+  if (!is_flat(*estimate.type)) {
+    const Eigen::MatrixXd to_errors = retract_by_error(*estimate.type, estimate.value);
+    const Lineage by_components = estimate.lineage;
+    const LineageTerm term{to_errors.data(), &by_components};
+    compose({&term, 1}, estimate.dimension(), estimate.lineage);
+  }
+  normalize(*estimate.type, estimate.value);
 }
 
 Outcome<> check_finite(const Estimate& estimate) {

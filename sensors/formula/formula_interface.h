@@ -76,7 +76,6 @@ class ArgumentReader {
   std::span<const double> values(const Evaluation& evaluation);
   /// Whether any of them has an error.
   static bool any_error(const Evaluation& evaluation);
-  static bool correlation_unknown(const Evaluation& evaluation);
   /// Whether one of them has an error.
   bool has_error(const Evaluation& evaluation, std::size_t argument) const;
   /// The lineage of results of the given Jacobian (rows x arguments, column-major).
@@ -89,7 +88,12 @@ class ArgumentReader {
   std::vector<std::size_t> first_;
   std::vector<double> values_;
   std::vector<LineageTerm> terms_;
+  std::vector<Eigen::MatrixXd> in_tangent_;  ///< Jacobians by errors of rotations
 };
+
+/// Makes values and errors by components those of the estimate's payload: angles wrap, and errors
+/// of rotations become local ones.
+void settle_result(Estimate& estimate);
 
 /// A fault where the estimate's values or errors are not finite.
 Outcome<> check_finite(const Estimate& estimate);

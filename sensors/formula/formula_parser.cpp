@@ -42,7 +42,7 @@ double append_chain(const double* operands, int count) {
   for (int i = 1; i < count; ++i) result = append_binary<operation>(result, operands[i]);
   return result;
 }
-double keep_sign(double operand) { return operand; }
+double unary_plus(double operand) { return operand; }
 
 /// The end of the number that begins at `begin`, or `begin`.
 const char* read_number(const char* begin, const char* end, double& value) {
@@ -87,7 +87,7 @@ class TapeParser final : public mu::ParserBase {
     DefineOprt("/", append_binary<Operation::divide>, mu::prMUL_DIV);
     DefineOprt("^", append_binary<Operation::power>, mu::prPOW, mu::oaRIGHT);
     DefineInfixOprt("-", append_unary<Operation::negate>, mu::prINFIX, false);
-    DefineInfixOprt("+", keep_sign, mu::prINFIX, false);
+    DefineInfixOprt("+", unary_plus, mu::prINFIX, false);
   }
   void InitFun() override {
     define<Operation::sqrt>();

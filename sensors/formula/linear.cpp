@@ -194,11 +194,9 @@ class Linear final : public Module {
     Eigen::Map<Eigen::VectorXd> result(estimate.value.data(), map_.rows());
     result = offset_;
     result.noalias() += map_ * Eigen::Map<const Eigen::VectorXd>(values.data(), map_.cols());
-    for (std::size_t i = 0; i < rows; ++i)
-      if (estimate.type->components[i].circular) estimate.value[i] = wrap_angle(estimate.value[i]);
     reader_.propagate(evaluation, {map_.data(), static_cast<std::size_t>(map_.size())}, rows,
                       estimate.lineage);
-    estimate.correlation_unknown = ArgumentReader::correlation_unknown(evaluation);
+    settle_result(estimate);
     return check_finite(estimate);
   }
 

@@ -12,7 +12,7 @@ namespace {
 
 struct Words {
   std::string_view name;
-  std::string_view deed;  ///< "takes the square root of"
+  std::string_view action;  ///< "takes the square root of"
 };
 
 constexpr std::array<Words, 27> words = {{{"argument", ""},
@@ -44,8 +44,8 @@ constexpr std::array<Words, 27> words = {{{"argument", ""},
                                           {"abs", "takes the absolute value of"}}};
 static_assert(words.size() == static_cast<std::size_t>(Operation::abs) + 1);
 
-std::string_view deed(Operation operation) {
-  return words[static_cast<std::size_t>(operation)].deed;
+std::string_view action(Operation operation) {
+  return words[static_cast<std::size_t>(operation)].action;
 }
 
 /// One operation over numbers or dual numbers; the right operand is ignored where there is one.
@@ -227,7 +227,7 @@ void Tape::sweep_back(const Formula& formula, Workspace& workspace) const {
   std::fill(reached + formula.first, reached + formula.end, char{0});
   adjoint[formula.result] = 1;
   reached[formula.result] = 1;
-  const auto pass_on = [&](const Node& node, Index operand, double by_operand, double from) {
+  const auto propagate = [&](const Node& node, Index operand, double by_operand, double from) {
     // What a minimum or maximum did not choose takes no part, be its derivative as it may.
     const bool chooses =
         node.operation == Operation::minimum || node.operation == Operation::maximum;
@@ -238,9 +238,9 @@ void Tape::sweep_back(const Formula& formula, Workspace& workspace) const {
   for (Index i = formula.end; i-- > formula.first;) {
     const Node& node = nodes_[i];
     if (!node.varies || !reached[i]) continue;
-    pass_on(node, node.left, workspace.by_left[i], adjoint[i]);
+    propagate(node, node.left, workspace.by_left[i], adjoint[i]);
     if (has_two_operands(node.operation))
-      pass_on(node, node.right, workspace.by_right[i], adjoint[i]);
+      propagate(node, node.right, workspace.by_right[i], adjoint[i]);
   }
 }
 
@@ -271,8 +271,8 @@ std::string Tape::explain(const Trouble& trouble, const Workspace& workspace) co
       (node.operation == Operation::log10 && a == 0);
   if (!undefined) return "it is too large for a number";
   if (has_two_operands(node.operation))
-    return fmt::format("it {} {:.6g} and {:.6g}", deed(node.operation), a, b);
-  return fmt::format("it {} {:.6g}", deed(node.operation), a);
+    return fmt::format("it {} {:.6g} and {:.6g}", action(node.operation), a, b);
+  return fmt::format("it {} {:.6g}", action(node.operation), a);
 }
 
 }  // namespace ilss

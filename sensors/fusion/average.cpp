@@ -13,29 +13,32 @@ namespace {
 /// the limit of 2^24, so that an average's blocks never share a name with what is folded elsewhere.
 constexpr std::uint32_t first_folder = 1u << 23;
 
-/// What is averaged, and the weight that it has.
+/// What is averaged, the weight that it has, and how the mean moves with its error (m x m,
+/// column-major): by the weight where errors at one value are errors at any.
 struct Part {
-  const Lineage* lineage;
+  LineageTerm term;
   double weight;
 };
 
 /// The lineage of a mean whose parts' random errors go together in an unknown way. Weights add up
 /// to 1, and then Cov(sum w_i e_i) <= sum w_i Cov(e_i) whatever the correlation (Jensen).
 void bounded_mean(std::span<const Part> parts, Source first, Lineage& out) {
-  const std::size_t dimension = parts.front().lineage->dimension();
+  const std::size_t dimension = parts.front().term.lineage->dimension();
   const auto m = static_cast<Eigen::Index>(dimension);
   Eigen::MatrixXd random = Eigen::MatrixXd::Zero(m, m);
   out.reset(dimension);
-  for (const Part& part : parts)
-    for (std::size_t k = 0; k < part.lineage->size(); ++k) {
-      const Source& source = part.lineage->sources()[k];
-      const Eigen::VectorXd column = part.lineage->factor().col(static_cast<Eigen::Index>(k));
-      const Eigen::VectorXd weighted = part.weight * column;
-      if (source.persistent())
-        out.add(source, std::span<const double>(weighted.data(), dimension));
+  for (const auto& [term, weight] : parts) {
+    const Eigen::Map<const Eigen::MatrixXd> jacobian(term.jacobian, m, m);
+    const Lineage& lineage = *term.lineage;
+    for (std::size_t k = 0; k < lineage.size(); ++k) {
+      const Eigen::VectorXd weighted =
+          jacobian * lineage.factor().col(static_cast<Eigen::Index>(k));
+      if (lineage.sources()[k].persistent())
+        out.add(lineage.sources()[k], std::span<const double>(weighted.data(), dimension));
       else
-        random += weighted * column.transpose();
+        random += weighted * weighted.transpose() / weight;
     }
+  }
   out.add_noise(first, random);
 }
 
@@ -65,15 +68,33 @@ void Average::start(const Estimate& reading) {
   count_ = 1;
 }
 
-void Average::move_value(const Estimate& reading) {
+void Average::move_towards(const Estimate& reading) {
+  const PayloadDescriptor& type = *reading.type;
+  const std::size_t m = reading.dimension();
   const double share = 1.0 / static_cast<double>(count_);
-  for (std::size_t c = 0; c < reading.dimension(); ++c) {
-    const double apart = reading.value[c] - mean_.value[c];
-    if (reading.type->components[c].circular)
-      mean_.value[c] = wrap_angle(mean_.value[c] + share * wrap_angle(apart));
-    else
-      mean_.value[c] += share * apart;
+  move_.resize(m);
+  difference(type, reading.value, mean_.value, move_);
+  jacobians_.assign(2 * m * m, 0.0);
+  for (std::size_t c = 0; c < m; ++c) {
+    jacobians_[c * m + c] = 1 - share;
+    jacobians_[m * m + c * m + c] = share;
   }
+  if (!is_flat(type)) take_tangents(type, share);
+  for (double& component : move_) component *= share;
+  retract(type, mean_.value, move_, mean_.value);
+}
+
+void Average::take_tangents(const PayloadDescriptor& type, double share) {
+  const auto m = static_cast<Eigen::Index>(type.dimension());
+  const Eigen::VectorXd apart = Eigen::Map<const Eigen::VectorXd>(move_.data(), m);
+  const Eigen::VectorXd move = share * apart;
+  const std::span<const double> d(apart.data(), move_.size());
+  const std::span<const double> e(move.data(), move_.size());
+  const Eigen::MatrixXd by_move = share * retract_by_error(type, e);
+  Eigen::Map<Eigen::MatrixXd>(jacobians_.data(), m, m) =
+      retract_by_value(type, e) + by_move * difference_by_second(type, d);
+  Eigen::Map<Eigen::MatrixXd>(jacobians_.data() + m * m, m, m) =
+      by_move * difference_by_first(type, d);
 }
 
 void Average::fold_past(const Evaluation& evaluation) {
@@ -90,21 +111,16 @@ void Average::add_to_mean(const Evaluation& evaluation, bool ticks_are_correlate
   const Estimate& reading = evaluation.input(0);
   if (count_ == 0) return start(reading);
   ++count_;
-  move_value(reading);
+  move_towards(reading);
+  const std::size_t m = reading.dimension();
   const double share = 1.0 / static_cast<double>(count_);
+  const std::array<LineageTerm, 2> terms = {
+      {{jacobians_.data(), &mean_.lineage}, {jacobians_.data() + m * m, &reading.lineage}}};
   if (ticks_are_correlated) {
-    const std::array<Part, 2> parts = {{{&mean_.lineage, 1 - share}, {&reading.lineage, share}}};
+    const std::array<Part, 2> parts = {{{terms[0], 1 - share}, {terms[1], share}}};
     bounded_mean(parts, evaluation.fresh(0), next_);
   } else {
     fold_past(evaluation);
-    const std::size_t m = reading.dimension();
-    jacobians_.assign(2 * m * m, 0.0);
-    for (std::size_t c = 0; c < m; ++c) {
-      jacobians_[c * m + c] = 1 - share;
-      jacobians_[m * m + c * m + c] = share;
-    }
-    const std::array<LineageTerm, 2> terms = {
-        {{jacobians_.data(), &mean_.lineage}, {jacobians_.data() + m * m, &reading.lineage}}};
     compose(terms, m, next_);
   }
   std::swap(mean_.lineage, next_);
@@ -122,8 +138,17 @@ void Average::add_to_window(const Evaluation& evaluation, bool ticks_are_correla
   const std::vector<double> weights(readings_.size(), share);
   mean_ = linear_combination(readings_, weights);
   if (!ticks_are_correlated) return;
+  const auto m = static_cast<Eigen::Index>(reading.dimension());
+  const auto count = static_cast<Eigen::Index>(readings_.size());
+  Eigen::MatrixXd gains = share * Eigen::MatrixXd::Identity(m, m).replicate(1, count);
+  Eigen::MatrixXd differences(m, count);
   std::vector<Part> parts;
-  for (const Estimate& kept : readings_) parts.push_back({&kept.lineage, share});
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Estimate& kept = readings_[static_cast<std::size_t>(i)];
+    differences.col(i) = difference(kept, mean_.value);
+    parts.push_back({{gains.data() + i * m * m, &kept.lineage}, share});
+  }
+  transport_gains(*reading.type, differences, gains);
   bounded_mean(parts, evaluation.fresh(0), mean_.lineage);
 }
 
@@ -136,7 +161,6 @@ Outcome<> Average::evaluate(const Evaluation& evaluation, Output& output) {
   output.estimate.value = mean_.value;
   output.estimate.lineage = mean_.lineage;
   output.estimate.labels = evaluation.input(0).labels;
-  output.estimate.correlation_unknown = ticks_are_correlated;
   return {};
 }
 
@@ -147,7 +171,6 @@ Outcome<> Average::expect(const Evaluation& evaluation, const Output* operating_
   output.estimate.value = reading.value;
   output.estimate.lineage = reading.lineage;
   output.estimate.labels = reading.labels;
-  output.estimate.correlation_unknown = inputs_of_unknown_correlation(evaluation);
   return {};
 }
 

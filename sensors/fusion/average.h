@@ -9,9 +9,9 @@ namespace ilss {
 
 /// Estimator: the mean of an estimate of any payload over all ticks since the start, or over the
 /// last `window` ones. Random errors average out, systematic ones do not; a value that is held over
-/// ticks counts with its error as one. Angles are averaged near the mean so far.
+/// ticks counts with its error as one. Angles and rotations are averaged near the mean so far.
 ///
-/// Of all ticks, mean_n = mean_{n-1} + (x_n - mean_{n-1}) / n, with the lineage composed alike.
+/// Of all ticks, mean_n = mean_{n-1} ⊕ (x_n ⊖ mean_{n-1}) / n, with the lineage composed alike.
 /// What is left of earlier ticks' random errors is folded, each owner apart, into blocks whose
 /// correlation with another module's blocks of the same origin is not known: `check` says where
 /// such meet. Memory and time a tick do not grow. A window keeps its estimates' lineages whole, and
@@ -48,14 +48,16 @@ class Average final : public Module {
   void start(const Estimate& reading);
   void add_to_mean(const Evaluation& evaluation, bool ticks_are_correlated);
   void add_to_window(const Evaluation& evaluation, bool ticks_are_correlated);
-  void move_value(const Estimate& reading);
+  void move_towards(const Estimate& reading);
+  void take_tangents(const PayloadDescriptor& type, double share);
   void fold_past(const Evaluation& evaluation);
 
   std::size_t window_;     ///< 0: all ticks
   std::size_t count_ = 0;  ///< of readings in the mean
   Estimate mean_;
   Lineage next_;                    ///< the mean's lineage in the making
-  std::vector<double> jacobians_;   ///< of the mean so far and of the reading
+  std::vector<double> move_;        ///< from the mean so far to the reading
+  std::vector<double> jacobians_;   ///< by errors of the mean so far and of the reading
   std::vector<Estimate> readings_;  ///< of the window, the oldest overwritten
   std::size_t oldest_ = 0;
 };

@@ -20,9 +20,10 @@ void ConsistencyModule::resolve(const Connections& connections, Settings&, Inter
 }
 
 Outcome<> ConsistencyModule::evaluate(const Evaluation& evaluation, Output& output) {
+  const std::vector<double> origin = common_origin(evaluation.inputs);
   const JointEstimates joint = inputs_of_unknown_correlation(evaluation)
-                                   ? bounded_joint_estimates(evaluation.inputs)
-                                   : joint_estimates(evaluation.inputs);
+                                   ? bounded_joint_estimates(evaluation.inputs, origin)
+                                   : joint_estimates(evaluation.inputs, origin);
   const JointDeviations deviations = joint_deviations(joint);
   const Eigen::VectorXd normalized = (deviations.directions.transpose() * deviations.value)
                                          .cwiseQuotient(deviations.standard_deviations);

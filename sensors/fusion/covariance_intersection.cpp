@@ -47,6 +47,24 @@ Intersection intersection_of(const JointEstimates& joint) {
   return result;
 }
 
+/// The W_i side by side.
+Eigen::MatrixXd gains_of(const Intersection& intersection) {
+  const Eigen::Index m = intersection.covariance.rows();
+  const Eigen::Index count = intersection.weights.size();
+  Eigen::MatrixXd gains(m, m * count);
+  Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(m, m);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    gains.middleCols(i * m, m) = intersection.weights[i] * intersection.covariance *
+                                 intersection.information[static_cast<std::size_t>(i)];
+    rest -= gains.middleCols(i * m, m);
+  }
+  // Rounding: the gains add up to the identity. What makes up for it goes where it costs least.
+  Eigen::Index heaviest = 0;
+  intersection.weights.maxCoeff(&heaviest);
+  gains.middleCols(heaviest * m, m) += rest;
+  return gains;
+}
+
 Eigen::MatrixXd random_covariance(const Lineage& lineage, const Eigen::VectorXd& scale) {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(scale.size(), scale.size());
   for (std::size_t k = 0; k < lineage.size(); ++k) {
@@ -71,36 +89,30 @@ void add_persistent(const Lineage& lineage, const Eigen::MatrixXd& gain, Lineage
 
 Outcome<> intersect_covariances(const Evaluation& evaluation, Estimate& estimate) {
   const auto inputs = evaluation.inputs;
-  const JointEstimates bounded = bounded_joint_estimates(inputs);
+  const JointEstimates bounded = bounded_joint_estimates(inputs, common_origin(inputs));
   if (std::string reason = contradiction(inputs, bounded, joint_deviations(bounded));
       !reason.empty())
     return Fault{FaultKind::degenerate, std::move(reason)};
-  const JointEstimates joint = joint_estimates(inputs);
-  const Intersection intersection = intersection_of(joint);
+  Intersection intersection;
+  Combination combination = combine(inputs, [&](const JointEstimates& joint) {
+    intersection = intersection_of(joint);
+    return gains_of(intersection);
+  });
+  const JointEstimates& joint = combination.joint;
   const Eigen::Index m = joint.dimension;
-  Eigen::MatrixXd gains(m, m * joint.count);
-  Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(m, m);
-  for (Eigen::Index i = 0; i < joint.count; ++i) {
-    gains.middleCols(i * m, m) = intersection.weights[i] * intersection.covariance *
-                                 intersection.information[static_cast<std::size_t>(i)];
-    rest -= gains.middleCols(i * m, m);
-  }
-  // Rounding: the gains add up to the identity. What makes up for it goes where it costs least.
-  Eigen::Index heaviest = 0;
-  intersection.weights.maxCoeff(&heaviest);
-  gains.middleCols(heaviest * m, m) += rest;
   Eigen::MatrixXd bound = Eigen::MatrixXd::Zero(m, m);
   for (Eigen::Index i = 0; i < joint.count; ++i) {
     if (intersection.weights[i] <= 0) continue;  // its gain is 0
-    const auto gain = gains.middleCols(i * m, m);
+    const auto gain = combination.gains.middleCols(i * m, m);
     bound += gain *
              random_covariance(inputs[static_cast<std::size_t>(i)]->estimate.lineage, joint.scale) *
              gain.transpose() / intersection.weights[i];
   }
-  write_combination(inputs, joint, gains, estimate);
+  estimate.value = std::move(combination.value);
+  estimate.labels = inputs.front()->estimate.labels;
   estimate.lineage.reset(static_cast<std::size_t>(m));
   for (Eigen::Index i = 0; i < joint.count; ++i)
-    add_persistent(inputs[static_cast<std::size_t>(i)]->estimate.lineage, gain_of(joint, gains, i),
+    add_persistent(inputs[static_cast<std::size_t>(i)]->estimate.lineage, gain_of(combination, i),
                    estimate.lineage);
   const Eigen::MatrixXd random = joint.scale.asDiagonal() * bound * joint.scale.asDiagonal();
   estimate.lineage.add_noise(evaluation.fresh(0), (random + random.transpose()) / 2);

@@ -51,19 +51,21 @@ Outcome<> Fuse::evaluate(const Evaluation& evaluation, Output& output) {
   if (inputs_of_unknown_correlation(evaluation))
     return intersect_covariances(evaluation, output.estimate);
   const auto inputs = evaluation.inputs;
-  const JointEstimates joint = joint_estimates(inputs);
-  const JointDeviations deviations = joint_deviations(joint);
-  if (std::string reason = contradiction(inputs, joint, deviations); !reason.empty())
+  JointDeviations deviations;
+  Combination best = combine(inputs, [&](const JointEstimates& joint) {
+    deviations = joint_deviations(joint);
+    return best_gains(joint, deviations);
+  });
+  if (std::string reason = contradiction(inputs, best.joint, deviations); !reason.empty())
     return Fault{FaultKind::degenerate, std::move(reason)};
-  const Eigen::MatrixXd gains = best_gains(joint, deviations);
-  write_combination(inputs, joint, gains, output.estimate);
+  output.estimate.value = std::move(best.value);
+  output.estimate.labels = inputs.front()->estimate.labels;
   std::vector<Eigen::MatrixXd> jacobians;
   std::vector<LineageTerm> terms;
-  for (Eigen::Index i = 0; i < joint.count; ++i) jacobians.push_back(gain_of(joint, gains, i));
+  for (Eigen::Index i = 0; i < best.joint.count; ++i) jacobians.push_back(gain_of(best, i));
   for (std::size_t i = 0; i < inputs.size(); ++i)
     terms.push_back({jacobians[i].data(), &inputs[i]->estimate.lineage});
   compose(terms, inputs.front()->estimate.dimension(), output.estimate.lineage);
-  output.estimate.correlation_unknown = false;
   return {};
 }
 

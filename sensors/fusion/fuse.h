@@ -13,7 +13,8 @@ namespace ilss {
 ///   x = z - G Y⁺ y = sum W_i z_i,  W_i = I/n - (G Y⁺)_i,
 /// and the lineage is the inputs' mapped by the W_i. Nothing is assumed of the inputs' rank: they
 /// may be exact, share errors in part or in full, or have fewer unknowns than components. Angles
-/// are taken on the circle; the order of inputs does not matter. Where only first order's tilt of
+/// are taken on the circle, rotations in the tangent at the result; the order of inputs does not
+/// matter. Where only first order's tilt of
 /// two constraints would make the result exact, they count as one (JointDeviations).
 ///
 /// Where the correlation of inputs is not known, by the plan or by what an input says, it is

@@ -23,7 +23,7 @@ double size_of(std::span<const Output* const> inputs, const std::string& unit) {
       const Component& component = input->estimate.type->components[c];
       if (component.unit != unit) continue;
       size = std::max(size, std::abs(input->estimate.value[c]));
-      if (component.circular) size = std::max(size, std::numbers::pi);
+      if (component.geometry != Geometry::plain) size = std::max(size, std::numbers::pi);
     }
   return size;
 }
@@ -53,11 +53,21 @@ Eigen::VectorXd scale_of(std::span<const Output* const> inputs) {
   return scale.unaryExpr([](double s) { return s > 0 ? s : 1.0; });
 }
 
-JointEstimates lay_side_by_side(std::span<const Output* const> inputs, bool random_apart) {
+/// How an estimate ⊖ origin moves with its sources.
+Eigen::MatrixXd factor_at(const Estimate& estimate, std::span<const double> origin) {
+  if (is_flat(*estimate.type)) return estimate.lineage.factor();
+  const Eigen::VectorXd apart = difference(estimate, origin);
+  return difference_by_first(*estimate.type, std::span(apart.data(), estimate.dimension())) *
+         estimate.lineage.factor();
+}
+
+JointEstimates lay_side_by_side(std::span<const Output* const> inputs,
+                                std::span<const double> origin, bool random_apart) {
   const Estimate& first = inputs.front()->estimate;
   JointEstimates joint{static_cast<Eigen::Index>(inputs.size()),
                        static_cast<Eigen::Index>(first.dimension()),
                        scale_of(inputs),
+                       {origin.begin(), origin.end()},
                        {},
                        {}};
   const Eigen::VectorXd inverse_scale = joint.scale.cwiseInverse();
@@ -67,7 +77,7 @@ JointEstimates lay_side_by_side(std::span<const Output* const> inputs, bool rand
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const Estimate& estimate = inputs[i]->estimate;
     joint.offset.col(static_cast<Eigen::Index>(i)) =
-        difference(estimate, first.value).cwiseProduct(inverse_scale);
+        difference(estimate, origin).cwiseProduct(inverse_scale);
     for (const Source& source : estimate.lineage.sources()) {
       if (random_apart && !source.persistent())
         ++apart;
@@ -82,6 +92,7 @@ JointEstimates lay_side_by_side(std::span<const Output* const> inputs, bool rand
   const double bound = std::sqrt(static_cast<double>(inputs.size()));
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const Lineage& lineage = inputs[i]->estimate.lineage;
+    const Eigen::MatrixXd at_origin = factor_at(inputs[i]->estimate, origin);
     for (std::size_t k = 0; k < lineage.size(); ++k) {
       const Source& source = lineage.sources()[k];
       const bool is_apart = random_apart && !source.persistent();
@@ -91,7 +102,7 @@ JointEstimates lay_side_by_side(std::span<const Output* const> inputs, bool rand
       joint.factor.block(static_cast<Eigen::Index>(i) * joint.dimension, column, joint.dimension,
                          1) =
           (is_apart ? bound : 1.0) *
-          lineage.factor().col(static_cast<Eigen::Index>(k)).cwiseProduct(inverse_scale);
+          at_origin.col(static_cast<Eigen::Index>(k)).cwiseProduct(inverse_scale);
     }
   }
   return joint;
@@ -166,12 +177,23 @@ std::string exact_contradiction(std::span<const Output* const> inputs,
 
 }  // namespace
 
-JointEstimates joint_estimates(std::span<const Output* const> inputs) {
-  return lay_side_by_side(inputs, false);
+std::vector<double> common_origin(std::span<const Output* const> inputs) {
+  const PayloadDescriptor& type = *inputs.front()->estimate.type;
+  if (is_flat(type)) return inputs.front()->estimate.value;
+  std::vector<std::span<const double>> values;
+  for (const Output* input : inputs) values.emplace_back(input->estimate.value);
+  const std::vector<double> weights(values.size(), 1.0 / static_cast<double>(values.size()));
+  return weighted_mean(type, values, weights);
 }
 
-JointEstimates bounded_joint_estimates(std::span<const Output* const> inputs) {
-  return lay_side_by_side(inputs, true);
+JointEstimates joint_estimates(std::span<const Output* const> inputs,
+                               std::span<const double> origin) {
+  return lay_side_by_side(inputs, origin, false);
+}
+
+JointEstimates bounded_joint_estimates(std::span<const Output* const> inputs,
+                                       std::span<const double> origin) {
+  return lay_side_by_side(inputs, origin, true);
 }
 
 JointDeviations joint_deviations(const JointEstimates& joint) {
@@ -222,23 +244,29 @@ std::string contradiction(std::span<const Output* const> inputs, const JointEsti
       largest);
 }
 
-void write_combination(std::span<const Output* const> inputs, const JointEstimates& joint,
-                       const Eigen::MatrixXd& gains, Estimate& estimate) {
-  const Estimate& first = inputs.front()->estimate;
-  Eigen::VectorXd moved = Eigen::VectorXd::Zero(joint.dimension);
-  for (Eigen::Index i = 1; i < joint.count; ++i)
-    moved += gains.middleCols(i * joint.dimension, joint.dimension) * joint.offset.col(i);
-  estimate.labels = first.labels;
-  estimate.value = first.value;
-  for (std::size_t c = 0; c < first.dimension(); ++c) {
-    const auto row = static_cast<Eigen::Index>(c);
-    estimate.value[c] += moved[row] * joint.scale[row];
-    if (first.type->components[c].circular) estimate.value[c] = wrap_angle(estimate.value[c]);
+Combination combine(std::span<const Output* const> inputs,
+                    const std::function<Eigen::MatrixXd(const JointEstimates&)>& find_gains) {
+  constexpr int most_steps = 20;
+  constexpr double close_enough = 1e-10;  // in the scale's standard deviations
+  const PayloadDescriptor& type = *inputs.front()->estimate.type;
+  Combination result;
+  result.value = common_origin(inputs);
+  for (int step = 0; step < most_steps; ++step) {
+    result.joint = joint_estimates(inputs, result.value);
+    result.gains = find_gains(result.joint);
+    const Eigen::VectorXd move = result.gains * result.joint.offset.reshaped();
+    const Eigen::VectorXd si = move.cwiseProduct(result.joint.scale);
+    retract(type, result.value, std::span(si.data(), type.dimension()), result.value);
+    if (is_flat(type) || move.cwiseAbs().maxCoeff() <= close_enough) break;
   }
+  transport_gains(type, result.joint.scale.asDiagonal() * result.joint.offset, result.gains);
+  return result;
 }
 
-Eigen::MatrixXd gain_of(const JointEstimates& joint, const Eigen::MatrixXd& gains, Eigen::Index i) {
-  return joint.scale.asDiagonal() * gains.middleCols(i * joint.dimension, joint.dimension) *
+Eigen::MatrixXd gain_of(const Combination& combination, Eigen::Index i) {
+  const JointEstimates& joint = combination.joint;
+  return joint.scale.asDiagonal() *
+         combination.gains.middleCols(i * joint.dimension, joint.dimension) *
          joint.scale.cwiseInverse().asDiagonal();
 }
 

@@ -48,9 +48,9 @@ inline UncertainBiases uncertain_biases(const Estimate& scan) {
 
 /// The noise that a laser_scan or segmented_scan states. `q²/12`: a uniform error within a step.
 inline LaserNoise noise_of(const Estimate& scan) {
-  const double range_std = scan.value[0];
-  const double bearing_std = scan.value[1];
-  const double quantum = scan.value[2];
+  const double range_std = scan.value[index_of<LaserScan>("range_std")];
+  const double bearing_std = scan.value[index_of<LaserScan>("bearing_std")];
+  const double quantum = scan.value[index_of<LaserScan>("quantum")];
   return {range_std * range_std + quantum * quantum / 12, bearing_std * bearing_std};
 }
 

@@ -20,8 +20,8 @@ std::string describe_change(const Eigen::VectorXd& by_scale,
   std::string text;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const double share = by_scale[static_cast<Eigen::Index>(i)] / by_scale[most];
-    constexpr double hardly = 0.01;
-    if (std::abs(share) < hardly) continue;
+    constexpr double least_share = 0.01;
+    if (std::abs(share) < least_share) continue;
     const double change = 0.01 * share * parameters[i].scale;
     text += fmt::format("{}{} {:+.2g} {}", text.empty() ? "" : ", ", parameters[i].name,
                         parameters[i].is_angle ? change * 180 / std::numbers::pi : 1e3 * change,

@@ -1,7 +1,5 @@
 #include "sensors/lep/lep_calibration_data.h"
 
-#include <random>
-
 #include "framework/estimate/random.h"
 
 namespace ilss {
@@ -17,7 +15,6 @@ double step(double first, double last, std::size_t i, std::size_t count) {
 std::vector<LepCalibrationPoint> simulate_lep_calibration(const LepCalibrationDesign& design,
                                                           std::uint64_t seed) {
   RandomBits random(derive_seed(seed, "lep calibration"));
-  std::normal_distribution<double> normal;
   std::vector<LepCalibrationPoint> points;
   points.reserve(design.angles * design.depths);
   for (std::size_t a = 0; a < design.angles; ++a) {
@@ -28,7 +25,7 @@ std::vector<LepCalibrationPoint> simulate_lep_calibration(const LepCalibrationDe
       const double deviation = image_position_deviation(
           design.detector_length, design.noise_current, design.current(distance));
       const double exact = model_image_position(design.geometry, design.origin, angle, depth);
-      points.push_back({angle, depth, exact + deviation * normal(random), deviation});
+      points.push_back({angle, depth, exact + deviation * draw_normal(random), deviation});
     }
   }
   return points;

@@ -40,8 +40,7 @@ Interface LepDetector::interface() {
 Outcome<> LepDetector::evaluate(const Evaluation& evaluation, Output& output) {
   const Estimate& parameters = evaluation.parameters;
   const Estimate& currents = evaluation.input(0);
-  const double i1 = currents.value[0];
-  const double i2 = currents.value[1];
+  const auto [i1, i2] = payload_of<DetectorCurrents>(currents);
   const double total = i1 + i2;
   if (Outcome<> outcome = check(parameters, total); !outcome) return outcome;
   if (i1 < 0 || i2 < 0)
@@ -59,15 +58,13 @@ Outcome<> LepDetector::evaluate(const Evaluation& evaluation, Output& output) {
       {{by_parameters.data(), &parameters.lineage}, {by_currents.data(), &currents.lineage}}};
   compose(terms, 2, output.estimate.lineage);
   output.estimate.lineage.add(evaluation.fresh(0), 0, deviation(parameters, total));
-  output.estimate.correlation_unknown = currents.correlation_unknown;
   return {};
 }
 
 Outcome<> LepDetector::expect(const Evaluation& evaluation, const Output* operating_point,
                               Output& output) {
   if (operating_point == nullptr) return evaluate(evaluation, output);
-  const double position = operating_point->estimate.value[0];
-  const double current = operating_point->estimate.value[1];
+  const auto [position, current] = payload_of<ImagePosition>(operating_point->estimate);
   if (std::isnan(current))
     return Fault{FaultKind::no_error_known,
                  "the error of an image position follows from its current; give that, too"};
@@ -75,7 +72,6 @@ Outcome<> LepDetector::expect(const Evaluation& evaluation, const Output* operat
   output.estimate.value.assign({position, current});
   output.estimate.lineage.reset(2);
   output.estimate.lineage.add(evaluation.fresh(0), 0, deviation(evaluation.parameters, current));
-  output.estimate.correlation_unknown = false;
   return {};
 }
 

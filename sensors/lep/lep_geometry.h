@@ -44,11 +44,6 @@ struct LepRay {
 
   /// The inverse range (1/m) of what is seen at image position p (m); equation 6.
   T inverse_range(const T& p) const { return (p + focal_tangent) / (p * a + focal_length * b); }
-  /// Its derivative by p (1/m²).
-  T inverse_range_by_position(const T& p) const {
-    const T denominator = p * a + focal_length * b;
-    return (focal_length * b - focal_tangent * a) / (denominator * denominator);
-  }
   /// The image position (m) of an object at inverse range u (1/m); equation 10.
   T image_position(const T& u) const {
     return (focal_tangent - focal_length * b * u) / (a * u - T(1));

@@ -40,13 +40,13 @@ class LepRanging final : public Module {
         {"baseline", "m", "d, from the laser's to the lens's centre of turning",
          LepGeometry<double>{}.baseline},
         {"vergence", "rad", "gamma, of the lens towards the laser", LepGeometry<double>{}.vergence,
-         true},
+         Geometry::circular},
         {"lens_distance", "m", "s, of the lens behind its centre of turning",
          LepGeometry<double>{}.lens_distance},
         {"origin.x", "m", "the scan's origin, to the right of the head's axis", 0},
         {"origin.z", "m", "the scan's origin, forward of the head's axis", 0},
         {"projected_vergence", "rad", "what the laser's angle is more than the scan angle", 0,
-         true}};
+         Geometry::circular}};
   };
 
   static Interface interface();

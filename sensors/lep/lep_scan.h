@@ -10,17 +10,28 @@ namespace ilss {
 
 /// One reading of the LEP sensor: where the laser pointed and where its image fell.
 struct LepReading {
-  double time = 0;            ///< s
-  double head = 0;            ///< angle of the head when it was taken, to the left (rad)
-  double scan_angle = 0;      ///< of the laser, from the projection frame's z axis towards x (rad)
-  double image_position = 0;  ///< on the photodiode (m)
-  double deviation = 0;       ///< sd of the image position (m)
-  double current = 0;         ///< the detector current I_0 (A)
-  /// Where the vehicle stood and looked when it was taken, seen from where it was at the scan's
-  /// last reading: x to the right and z forward (m), heading to the left (rad).
+  double time = 0;
+  double head = 0;
+  double scan_angle = 0;
+  double image_position = 0;
+  double deviation = 0;
+  double current = 0;
   double vehicle_x = 0;
   double vehicle_z = 0;
   double vehicle_heading = 0;
+
+  static constexpr auto columns = Columns{
+      column(&LepReading::time, "time", "s", "when it was taken"),
+      column(&LepReading::head, "head", "rad", "angle of the head then, to the left"),
+      column(&LepReading::scan_angle, "scan_angle", "rad",
+             "of the laser, from the projection frame's z axis towards x"),
+      column(&LepReading::image_position, "image_position", "m", "on the photodiode"),
+      column(&LepReading::deviation, "deviation", "m", "sd of the image position"),
+      column(&LepReading::current, "current", "A", "the detector current I_0"),
+      column(&LepReading::vehicle_x, "vehicle_x", "m",
+             "where the vehicle stood then, to the right of where it was at the last reading"),
+      column(&LepReading::vehicle_z, "vehicle_z", "m", "the same, forward"),
+      column(&LepReading::vehicle_heading, "vehicle_heading", "rad", "the same, to the left")};
 };
 
 /// A scan of image positions; readings without an image are left out.
@@ -29,14 +40,11 @@ struct LepScan {
   T noise_correlation, beam_width;
 
   static constexpr std::string_view name = "lep_scan";
-  static constexpr std::string_view documentation =
-      "image positions of a LEP range sensor; each row of the samples is time (s), head angle "
-      "(rad), scan angle (rad), image position and its sd (m), detector current (A), and the "
-      "vehicle's x, z (m) and heading (rad) seen from where it was at the last reading";
+  static constexpr std::string_view documentation = "image positions of a LEP range sensor";
   static constexpr auto fields =
       Fields{{"noise_correlation", "1", "of one reading's noise and the next one's; exact", 0},
              {"beam_width", "m", "of the laser; exact", 0}};
-  static SamplesDescriptor samples() { return {"SI", {"reading", "quantity"}}; }
+  static SamplesDescriptor samples() { return samples_of_rows<LepReading>("reading"); }
 };
 
 /// The readings of a scan's output.

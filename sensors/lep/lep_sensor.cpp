@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "framework/estimate/distribution.h"
+#include "framework/estimate/random.h"
 
 namespace ilss {
 namespace {
@@ -67,14 +68,14 @@ Interface LepSensor::interface(const Options& options) {
 LepSensor::LepSensor(const Options& options)
     : options_(options), head_(options.drive, options.head_angle) {
   // One pole at the bandwidth, sampled at the reading rate.
-  if (options_.bandwidth)
-    correlation_ = std::exp(-2 * std::numbers::pi * *options_.bandwidth / options_.reading_rate);
+  if (!options_.bandwidth) return;
+  const double decay = 2 * std::numbers::pi * *options_.bandwidth / options_.reading_rate;
+  constexpr double nothing_left = 39;  // exp(-39) is below the last bit
+  correlation_ = std::exp(-decay);
+  remembered_ = static_cast<std::int64_t>(std::ceil(nothing_left / decay));
 }
 
-void LepSensor::reset() {
-  head_ = HeadMotion(options_.drive, options_.head_angle);
-  memory_ = {};
-}
+void LepSensor::reset() { head_ = HeadMotion(options_.drive, options_.head_angle); }
 
 Outcome<> LepSensor::command(const Command& command) {
   const double* value = std::get_if<double>(&command.value);
@@ -104,9 +105,13 @@ ScenePose LepSensor::vehicle(const Parameters<double>& parameters, double time) 
                options_.turn_rate, time);
 }
 
+std::int64_t LepSensor::place_in_scan(std::int64_t reading) const {
+  return (reading % options_.scan_readings + options_.scan_readings) % options_.scan_readings;
+}
+
 template <typename DrawNoise>
 Outcome<> LepSensor::scan(const Evaluation& evaluation, std::int64_t last, double end,
-                          Memory& memory, DrawNoise draw_noise, Output& output) {
+                          DrawNoise draw_noise, Output& output) {
   const auto p = payload_of<Parameters>(evaluation.parameters);
   if (!(p.focal_length > 0 && p.baseline > 0 && std::cos(p.vergence) > 1e-6 &&
         p.detector_length > 0 && p.noise_current >= 0))
@@ -124,9 +129,17 @@ Outcome<> LepSensor::scan(const Evaluation& evaluation, std::int64_t last, doubl
   const std::span<LepReading> readings =
       make_lep_readings(output, static_cast<std::size_t>(options_.readings));
   std::size_t count = 0;
-  for (std::int64_t i = last - options_.readings + 1; i <= last; ++i) {
-    const std::int64_t in_scan =
-        (i % options_.scan_readings + options_.scan_readings) % options_.scan_readings;
+  // What the low pass still holds of the readings before is made anew, so that a tick does not
+  // depend on which was asked before it.
+  const std::int64_t first = last - options_.readings + 1;
+  const std::int64_t before = first - remembered_;
+  double noise = draw_noise(before);
+  for (std::int64_t i = before + 1; i < first; ++i)
+    noise = correlation_ * noise + innovation * draw_noise(i);
+  Signal memory;
+  const std::int64_t first_in_scan = first - place_in_scan(first);
+  for (std::int64_t i = std::max(before, first_in_scan); i <= last; ++i) {
+    const std::int64_t in_scan = place_in_scan(i);
     const double time = end - static_cast<double>(last - i) / options_.reading_rate;
     const double scan_angle = -options_.field_of_view / 2 + step * static_cast<double>(in_scan);
     const double head = head_.angle(time);
@@ -138,14 +151,15 @@ Outcome<> LepSensor::scan(const Evaluation& evaluation, std::int64_t last, doubl
         caster.cast(scene, projection, scan_angle + p.projected_vergence + delay * step);
     Signal signal{image.current, image.current * image.image_position};
     if (in_scan != 0) {
-      signal.current += correlation_ * (memory.signal.current - signal.current);
-      signal.moment += correlation_ * (memory.signal.moment - signal.moment);
+      signal.current += correlation_ * (memory.current - signal.current);
+      signal.moment += correlation_ * (memory.moment - signal.moment);
     }
-    memory.signal = signal;
-    memory.noise = correlation_ * memory.noise + innovation * draw_noise();
+    memory = signal;
+    if (i < first) continue;
+    if (i > before) noise = correlation_ * noise + innovation * draw_noise(i);
     if (image.current <= 0 || signal.current > options_.saturation_current) continue;
     const double deviation = half_length * p.noise_current / signal.current;
-    const double position = signal.moment / signal.current + deviation * memory.noise;
+    const double position = signal.moment / signal.current + deviation * noise;
     if (std::abs(position) > half_length) continue;
     readings[count++] = {time,           head,    scan_angle, position,     deviation,
                          signal.current, moved.x, moved.z,    moved.heading};
@@ -159,13 +173,15 @@ Outcome<> LepSensor::scan(const Evaluation& evaluation, std::int64_t last, doubl
 }
 
 Outcome<> LepSensor::evaluate(const Evaluation& evaluation, Output& output) {
-  RandomBits random = evaluation.random();
-  if (evaluation.tick == 0) memory_.noise = draw_normal(random);
   const std::int64_t last = (evaluation.tick + 1) * options_.readings - 1;
-  Outcome<> outcome = scan(
-      evaluation, last, seconds(evaluation.time), memory_, [&] { return draw_normal(random); },
-      output);
-  head_.forget_before(seconds(evaluation.time));
+  const std::uint64_t seed = derive_seed(evaluation.run_seed, "reading");
+  const auto draw_noise = [&](std::int64_t reading) {
+    RandomBits random(derive_seed(seed, static_cast<std::uint64_t>(reading)));
+    return draw_normal(random);
+  };
+  const double time = seconds(evaluation.time);
+  Outcome<> outcome = scan(evaluation, last, time, draw_noise, output);
+  head_.forget_before(time - static_cast<double>(remembered_) / options_.reading_rate);
   return outcome;
 }
 
@@ -174,9 +190,8 @@ Outcome<> LepSensor::expect(const Evaluation& evaluation, const Output* operatin
   if (operating_point != nullptr)
     return Fault{FaultKind::no_error_known,
                  "a scan cannot be given as an operating point; it follows from the scene"};
-  Memory memory;
   return scan(
-      evaluation, options_.readings - 1, seconds(evaluation.time), memory, [] { return 0.0; },
+      evaluation, options_.readings - 1, seconds(evaluation.time), [](std::int64_t) { return 0.0; },
       output);
 }
 

@@ -49,18 +49,19 @@ class LepSensor final : public Module {
         {"baseline", "m", "d, from the laser's to the lens's centre of turning",
          LepGeometry<double>{}.baseline},
         {"vergence", "rad", "gamma, of the lens towards the laser", LepGeometry<double>{}.vergence,
-         true},
+         Geometry::circular},
         {"lens_distance", "m", "s, of the lens behind its centre of turning",
          LepGeometry<double>{}.lens_distance},
         {"origin.x", "m", "the scan's origin, to the right of the head's axis", 0},
         {"origin.z", "m", "the scan's origin, forward of the head's axis", 0},
         {"projected_vergence", "rad", "what the laser's angle is more than the scan angle", 0,
-         true},
+         Geometry::circular},
         {"detector_length", "m", "P of the photodiode", 0.01},
         {"noise_current", "A", "I_n of the photodiode and its amplifier", 36.2e-12},
         {"robot.x", "m", "where the head's axis starts in the scene", 0},
         {"robot.z", "m", "where the head's axis starts in the scene", 0},
-        {"robot.heading", "rad", "where the vehicle looks at first, to the right", 0, true}};
+        {"robot.heading", "rad", "where the vehicle looks at first, to the right", 0,
+         Geometry::circular}};
   };
 
   struct Options {
@@ -101,20 +102,15 @@ class LepSensor final : public Module {
     double current = 0;
     double moment = 0;
   };
-  /// What the low pass still holds of the readings before.
-  struct Memory {
-    Signal signal = {};
-    double noise = 0;  ///< in standard deviations
-  };
-
   template <typename DrawNoise>
-  Outcome<> scan(const Evaluation& evaluation, std::int64_t last, double end, Memory& memory,
-                 DrawNoise draw_noise, Output& output);
+  Outcome<> scan(const Evaluation& evaluation, std::int64_t last, double end, DrawNoise draw_noise,
+                 Output& output);
+  std::int64_t place_in_scan(std::int64_t reading) const;
 
   Options options_;
   HeadMotion head_;
-  double correlation_ = 0;  ///< of one reading's noise and the next one's
-  Memory memory_ = {};
+  double correlation_ = 0;       ///< of one reading's noise and the next one's
+  std::int64_t remembered_ = 0;  ///< readings that the low pass holds anything of
 };
 
 }  // namespace ilss

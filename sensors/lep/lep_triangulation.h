@@ -49,7 +49,7 @@ class LepTriangulation {
         {"vergence", "rad", "gamma, of the lens towards the laser", LepGeometry<double>().vergence},
         {"lens_distance", "m", "s, of the lens behind its centre of turning",
          LepGeometry<double>().lens_distance},
-        {"scan_angle", "rad", "theta, of the laser, from z towards x", 0, true}};
+        {"scan_angle", "rad", "theta, of the laser, from z towards x", 0, Geometry::circular}};
   };
 
   struct Options {

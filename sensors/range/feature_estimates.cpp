@@ -127,15 +127,15 @@ JumpInterval jump_interval(std::span<const RangeReading> readings, const JumpRea
   const auto outwards = [&](std::size_t i) { return forward ? i + 1 : i - 1; };
   const double step =
       readings[at.clean].bearing - readings[forward ? at.clean - 1 : at.clean + 1].bearing;
-  const auto walk = [&](std::size_t from, std::size_t to) {
+  const auto last_contiguous = [&](std::size_t from, std::size_t to) {
     constexpr double missing = 1.5;  // steps
     while (from != to && std::abs(readings[outwards(from)].bearing - readings[from].bearing) <=
                              missing * std::abs(step))
       from = outwards(from);
     return from;
   };
-  const std::size_t nearer = walk(at.clean, at.nearer);
-  const std::size_t last = nearer == at.nearer ? walk(nearer, at.farther) : nearer;
+  const std::size_t nearer = last_contiguous(at.clean, at.nearer);
+  const std::size_t last = nearer == at.nearer ? last_contiguous(nearer, at.farther) : nearer;
   const RangeReading& reading = readings[nearer];
   const double width = readings[last].bearing - reading.bearing;
   if (last == at.farther) return {&reading, width / 2, width};
@@ -159,7 +159,6 @@ Estimate& FeatureWriter::next(const PayloadDescriptor& type) {
   element.type = &type;
   element.frame = scan_.frame;
   element.labels.clear();
-  element.correlation_unknown = scan_.correlation_unknown;
   return element;
 }
 
@@ -212,8 +211,10 @@ void FeatureWriter::add(const FittedSegment& segment, std::span<const RangeReadi
                    {source(index, 0), source(index, 1)}, element);
   // A short line turns about its middle, and its distance from the origin then changes by
   // -rho (change of phi)² / 2. First order does not see that; here is its root mean square.
-  const double second_order = std::sqrt(0.75) * element.value[0] * element.lineage.variance(1);
-  element.lineage.add(source(index, column_of_second_order), 0, second_order);
+  constexpr std::size_t rho = index_of<LineSegment>("rho");
+  constexpr std::size_t phi = index_of<LineSegment>("phi");
+  const double second_order = std::sqrt(0.75) * element.value[rho] * element.lineage.variance(phi);
+  element.lineage.add(source(index, column_of_second_order), rho, second_order);
   element.labels.assign(1, is_open ? 1 : 0);
 }
 
@@ -260,16 +261,16 @@ void FeatureWriter::add_edge(const FittedSegment& before, const FittedSegment& a
       inverse_range_at(opposite, before.fit.line) > inverse_range_at(opposite, after.fit.line);
   const FittedSegment& nearer = before_is_nearer ? before : after;
   // What is too weak to tell the one surface from the other belongs to neither.
-  const auto tells = [&](std::size_t i) {
-    constexpr double clearly = 3;  // standard deviations
+  const auto distinguishes = [&](std::size_t i) {
+    constexpr double least_separation = 3;  // standard deviations
     return std::abs(inverse_range_at(readings[i], before.fit.line) -
                     inverse_range_at(readings[i], after.fit.line)) >
-           clearly * readings[i].deviation;
+           least_separation * readings[i].deviation;
   };
   std::size_t end = before.last + before.mixed_after;
-  while (end > before.last && !tells(end)) --end;
+  while (end > before.last && !distinguishes(end)) --end;
   std::size_t begin = after.first - after.mixed_before;
-  while (begin < after.first && !tells(begin)) ++begin;
+  while (begin < after.first && !distinguishes(begin)) ++begin;
   const JumpInterval jump = jump_interval(readings,
                                           before_is_nearer ? JumpReadings{before.last, end, begin}
                                                            : JumpReadings{after.first, begin, end},

@@ -6,8 +6,8 @@ namespace ilss {
 namespace {
 
 /// How far the recursive test looks back, at least and at most.
-constexpr std::size_t shortest_look = 4;
-constexpr std::size_t longest_look = 64;
+constexpr std::size_t shortest_window = 4;
+constexpr std::size_t longest_window = 64;
 constexpr int most_rounds = 8;
 /// Below it a saving in cost is rounding.
 constexpr double least_saving = 1e-6;
@@ -22,9 +22,9 @@ void LineSegmentation::clear() {
 double LineSegmentation::cost(const LineInformationSums& sums, std::size_t begin,
                               std::size_t end) const {
   if (begin == end) return 0;
-  const double as_outliers = rule_.outlier_cost * static_cast<double>(end - begin);
-  if (end - begin < rule_.least_readings) return as_outliers;
-  return std::min(as_outliers, sums.of(begin, end).chi_squared() + rule_.evidence);
+  const double cost_as_outliers = rule_.outlier_cost * static_cast<double>(end - begin);
+  if (end - begin < rule_.least_readings) return cost_as_outliers;
+  return std::min(cost_as_outliers, sums.of(begin, end).chi_squared() + rule_.evidence);
 }
 
 LineSegmentation::Split LineSegmentation::best_split(const LineInformationSums& sums,
@@ -39,14 +39,14 @@ bool LineSegmentation::advance(const LineInformationSums& sums) {
   ReadingRun& open = runs_.back();
   open.end = sums.size();
   const std::size_t size = open.size();
-  if (size < 2 * shortest_look) return false;
+  if (size < 2 * shortest_window) return false;
   double whole = -1;
-  for (std::size_t look = shortest_look; look <= longest_look; look *= 2) {
+  for (std::size_t window = shortest_window; window <= longest_window; window *= 2) {
     // A longer look back moves slowly, and need not be taken at every reading.
-    if (size < look + shortest_look || size % (look / shortest_look) != 0) break;
+    if (size < window + shortest_window || size % (window / shortest_window) != 0) break;
     if (whole < 0) whole = sums.of(open.begin, open.end).chi_squared();
     if (whole < rule_.evidence) return false;
-    const std::size_t at = open.end - look;
+    const std::size_t at = open.end - window;
     const double parts =
         sums.of(open.begin, at).chi_squared() + sums.of(at, open.end).chi_squared();
     if (whole - parts < rule_.evidence) continue;

@@ -50,7 +50,7 @@ class RangeReadings final : public Module {
                {"mount.x", "m", "where the rays start, seen from the head's axis", 0},
                {"mount.z", "m", "the same", 0},
                {"mount.heading", "rad", "how far the rays are turned in the head, from x towards z",
-                0, true}};
+                0, Geometry::circular}};
   };
 
   struct Options {

@@ -19,15 +19,26 @@ inline constexpr std::size_t shared_range_errors = 5;
 /// linear in a line's parameters (a straight line seen in direction e from the origin has inverse
 /// range a · e), so noise that is normal there stays honest.
 struct RangeReading {
-  double time = 0;           ///< s
-  double head = 0;           ///< angle of the sensor's head when it was taken, x towards z (rad)
-  double origin_x = 0;       ///< m, in the scan's frame
-  double origin_z = 0;       ///< m
-  double bearing = 0;        ///< rad
-  double inverse_range = 0;  ///< 1/m, positive
-  double deviation = 0;      ///< sd of the inverse range's own noise (1/m), positive
-  /// By the scan's `error_1` ... `error_5` (1/m each).
+  double time = 0;
+  double head = 0;
+  double origin_x = 0;
+  double origin_z = 0;
+  double bearing = 0;
+  double inverse_range = 0;
+  double deviation = 0;
   std::array<double, shared_range_errors> sensitivity = {};
+
+  static constexpr auto columns = Columns{
+      column(&RangeReading::time, "time", "s", "when it was taken"),
+      column(&RangeReading::head, "head", "rad", "angle of the sensor's head then, x towards z"),
+      column(&RangeReading::origin_x, "origin_x", "m", "where the ray starts"),
+      column(&RangeReading::origin_z, "origin_z", "m", "the same"),
+      column(&RangeReading::bearing, "bearing", "rad", "of the ray, from x towards z"),
+      column(&RangeReading::inverse_range, "inverse_range", "1/m", "positive"),
+      column(&RangeReading::deviation, "deviation", "1/m",
+             "sd of the inverse range's own noise, positive"),
+      column(&RangeReading::sensitivity, "sensitivity", "1/m",
+             "of the inverse range, by error_1 to error_5")};
 };
 
 /// How the readings' own noise behaves.
@@ -70,24 +81,22 @@ struct RangeScan {
       beam_width, noise_in_range;
 
   static constexpr std::string_view name = "range_scan";
-  static constexpr std::string_view documentation =
-      "ranges along rays; each row of the samples is time (s), head angle (rad), the ray's origin "
-      "x and z (m), its bearing from x towards z (rad), the inverse range and the sd of its noise "
-      "(1/m), and its sensitivity to the five shared errors (1/m)";
-  static constexpr auto fields = Fields{
-      {"mount_x", "m", "where the rays start, seen from the head's axis at head angle 0", 0},
-      {"mount_z", "m", "the same along z", 0},
-      {"mount_heading", "rad", "how far the rays are turned in the head, x towards z", 0, true},
-      {"error_1", "1", "a systematic error of the ranges; its value is 0", 0},
-      {"error_2", "1", "another", 0},
-      {"error_3", "1", "another", 0},
-      {"error_4", "1", "another", 0},
-      {"error_5", "1", "another", 0},
-      {"noise_correlation", "1", "of one reading's noise and the next one's; exact", 0},
-      {"beam_width", "m", "within which a reading may hold light of two surfaces; exact", 0},
-      {"noise_in_range", "1",
-       "1 where the noise is normal in range, 0 where it is in inverse range; exact", 0}};
-  static SamplesDescriptor samples() { return {"SI", {"reading", "quantity"}}; }
+  static constexpr std::string_view documentation = "ranges along rays";
+  static constexpr auto fields =
+      Fields{{"mount_x", "m", "where the rays start, seen from the head's axis at head angle 0", 0},
+             {"mount_z", "m", "the same along z", 0},
+             {"mount_heading", "rad", "how far the rays are turned in the head, x towards z", 0,
+              Geometry::circular},
+             {"error_1", "1", "a systematic error of the ranges; its value is 0", 0},
+             {"error_2", "1", "another", 0},
+             {"error_3", "1", "another", 0},
+             {"error_4", "1", "another", 0},
+             {"error_5", "1", "another", 0},
+             {"noise_correlation", "1", "of one reading's noise and the next one's; exact", 0},
+             {"beam_width", "m", "within which a reading may hold light of two surfaces; exact", 0},
+             {"noise_in_range", "1",
+              "1 where the noise is normal in range, 0 where it is in inverse range; exact", 0}};
+  static SamplesDescriptor samples() { return samples_of_rows<RangeReading>("reading"); }
 };
 
 /// The readings of a scan's output.

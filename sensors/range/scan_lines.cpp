@@ -95,8 +95,8 @@ bool ScanLines::joins(const FittedSegment& before, const ReadingRun& next,
   if (both.chi_squared() - information.chi_squared() - more.chi_squared() >=
       rule_.segmentation.evidence)
     return false;
-  const bool apart = next.begin != last + 1 || segmentation_.is_behind_gap(next.begin);
-  if (apart && distance(readings_[last], readings_[next.begin]) > rule_.max_gap) return false;
+  const bool has_gap = next.begin != last + 1 || segmentation_.is_behind_gap(next.begin);
+  if (has_gap && distance(readings_[last], readings_[next.begin]) > rule_.max_gap) return false;
   information = both;
   return true;
 }
@@ -106,8 +106,9 @@ void ScanLines::join_pieces() {
   LineInformation information;
   for (const ReadingRun& run : segmentation_.runs()) {
     if (run.size() < rule_.segmentation.least_readings) continue;
-    const double as_outliers = rule_.segmentation.outlier_cost * static_cast<double>(run.size());
-    if (sums_.of(run.begin, run.end).chi_squared() + rule_.segmentation.evidence > as_outliers)
+    const double cost_as_outliers =
+        rule_.segmentation.outlier_cost * static_cast<double>(run.size());
+    if (sums_.of(run.begin, run.end).chi_squared() + rule_.segmentation.evidence > cost_as_outliers)
       continue;
     if (count_ > 0 && joins(segments_[count_ - 1], run, information)) {
       segments_[count_ - 1].runs.push_back(run);
@@ -155,11 +156,11 @@ void ScanLines::settle_end(FittedSegment& first, FittedSegment& second) {
       return;
     }
   }
-  constexpr double clearly = 5;  // standard deviations of a reading
+  constexpr double least_jump = 5;  // standard deviations of a reading
   const RangeReading& last = readings_[before.end - 1 - mixed_before];
   const RangeReading& next = readings_[after.begin + mixed_after];
   const double jump = std::min(std::abs(difference(last, a, b)), std::abs(difference(next, a, b)));
-  if (both_lines && jump < clearly * std::min(last.deviation, next.deviation)) {
+  if (both_lines && jump < least_jump * std::min(last.deviation, next.deviation)) {
     second.meets_before = before.end == after.begin;
     return;
   }
@@ -237,14 +238,14 @@ bool ScanLines::join_to_arc(FittedSegment& before, const FittedSegment& after) c
   if (distance(readings_[middle_begin - 1], readings_[middle_end]) > rule_.max_gap) return false;
   double allowed =
       cost(before) + cost(after) + outlier_cost * static_cast<double>(middle_end - middle_begin);
-  constexpr double clearly = 3.5;  // standard deviations
+  constexpr double largest_end_residual = 3.5;  // standard deviations
   constexpr std::size_t most_dropped = 12;
   for (std::size_t dropped = 0; dropped <= most_dropped; ++dropped) {
     const auto arc = fit_arc(std::span(readings_).subspan(begin, end - begin), rule_.arc, noise_);
     if (!arc) return false;
     const double at_begin = std::abs(arc_residual(readings_[begin], arc->circle));
     const double at_end = std::abs(arc_residual(readings_[end - 1], arc->circle));
-    if (std::max(at_begin, at_end) < clearly) {
+    if (std::max(at_begin, at_end) < largest_end_residual) {
       FittedSegment joined;
       joined.arc = arc;
       if (cost(joined) > allowed) return false;

@@ -22,10 +22,10 @@ class SceneWall final : public Module {
   struct Parameters {
     T robot_x, robot_z, robot_heading;
     static constexpr std::string_view name = "scene_wall_parameters";
-    static constexpr auto fields =
-        Fields{{"robot.x", "m", "where the robot stands in the scene", 0},
-               {"robot.z", "m", "where the robot stands in the scene", 0},
-               {"robot.heading", "rad", "where it looks, positive to the right", 0, true}};
+    static constexpr auto fields = Fields{
+        {"robot.x", "m", "where the robot stands in the scene", 0},
+        {"robot.z", "m", "where the robot stands in the scene", 0},
+        {"robot.heading", "rad", "where it looks, positive to the right", 0, Geometry::circular}};
   };
 
   struct Options {

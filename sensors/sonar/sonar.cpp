@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "sensors/scene/beam.h"
 
@@ -105,7 +104,7 @@ Outcome<> Sonar::evaluate(const Evaluation& evaluation, Output& output) {
   if (!range) return range.fault();
   if (options_.input.scene) {
     RandomBits random = evaluation.random();
-    *range += standard_deviation(*range) * std::normal_distribution<double>()(random);
+    *range += standard_deviation(*range) * draw_normal(random);
   }
   return emit(evaluation, *range, output);
 }
@@ -163,7 +162,6 @@ Outcome<> Sonar::emit(const Evaluation& evaluation, double range, Output& output
   Estimate& estimate = output.estimate;
   const std::vector<double>& p = evaluation.parameters.value;
   estimate.value.assign({range, p[0], p[1], p[2], p[3]});
-  estimate.correlation_unknown = false;
   const LineageTerm term{reading_by_parameters.data(), &evaluation.parameters.lineage};
   compose({&term, 1}, reading_size, estimate.lineage);
   if (const double sd = standard_deviation(range); sd > 0)

@@ -69,14 +69,14 @@ class Sonar final : public Module {
   struct Parameters {
     T beam_half_angle, mount_x, mount_z, mount_heading, robot_x, robot_z, robot_heading;
     static constexpr std::string_view name = "sonar_parameters";
-    static constexpr auto fields =
-        Fields{{"beam_half_angle", "rad", "half the beam's opening angle", polaroid_half_angle},
-               {"mount.x", "m", "the sonar's place, forward of the frame's origin", 0},
-               {"mount.z", "m", "the sonar's place, to the right of the frame's origin", 0},
-               {"mount.heading", "rad", "the beam's axis, positive to the right", 0, true},
-               {"robot.x", "m", "where the robot stands in the scene", 0},
-               {"robot.z", "m", "where the robot stands in the scene", 0},
-               {"robot.heading", "rad", "where the robot looks in the scene", 0, true}};
+    static constexpr auto fields = Fields{
+        {"beam_half_angle", "rad", "half the beam's opening angle", polaroid_half_angle},
+        {"mount.x", "m", "the sonar's place, forward of the frame's origin", 0},
+        {"mount.z", "m", "the sonar's place, to the right of the frame's origin", 0},
+        {"mount.heading", "rad", "the beam's axis, positive to the right", 0, Geometry::circular},
+        {"robot.x", "m", "where the robot stands in the scene", 0},
+        {"robot.z", "m", "where the robot stands in the scene", 0},
+        {"robot.heading", "rad", "where the robot looks in the scene", 0, Geometry::circular}};
   };
 
   struct Options {

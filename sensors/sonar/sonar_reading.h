@@ -18,12 +18,12 @@ struct SonarReading {
 
   static constexpr std::string_view name = "sonar_reading";
   static constexpr std::string_view documentation = "a sonar's range, beam and mount";
-  static constexpr auto fields =
-      Fields{{"range", "m", "to the nearest point of the wall inside the beam"},
-             {"beam_half_angle", "rad", "half the beam's opening angle", polaroid_half_angle},
-             {"mount_x", "m", "the sonar's place, forward", 0},
-             {"mount_z", "m", "the sonar's place, to the right", 0},
-             {"mount_heading", "rad", "the beam's axis, positive to the right", 0, true}};
+  static constexpr auto fields = Fields{
+      {"range", "m", "to the nearest point of the wall inside the beam"},
+      {"beam_half_angle", "rad", "half the beam's opening angle", polaroid_half_angle},
+      {"mount_x", "m", "the sonar's place, forward", 0},
+      {"mount_z", "m", "the sonar's place, to the right", 0},
+      {"mount_heading", "rad", "the beam's axis, positive to the right", 0, Geometry::circular}};
 };
 
 }  // namespace ilss

@@ -12,10 +12,10 @@ struct PlanarPose {
 
   static constexpr std::string_view name = "planar_pose";
   static constexpr std::string_view documentation = "a place in the plane and a direction";
-  static constexpr auto fields =
-      Fields{{"x", "m", "its place, forward in its frame"},
-             {"z", "m", "its place, to the right"},
-             {"heading", "rad", "where it looks, positive to the right", required, true}};
+  static constexpr auto fields = Fields{
+      {"x", "m", "its place, forward in its frame"},
+      {"z", "m", "its place, to the right"},
+      {"heading", "rad", "where it looks, positive to the right", required, Geometry::circular}};
 };
 
 }  // namespace ilss

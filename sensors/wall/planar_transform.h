@@ -28,10 +28,11 @@ class PlanarTransform {
   struct Parameters {
     T x, z, heading;
     static constexpr std::string_view name = "planar_transform_parameters";
-    static constexpr auto fields = Fields{
-        {"mount.x", "m", "the input frame's origin, forward in the output frame", 0},
-        {"mount.z", "m", "the input frame's origin, to the right in the output frame", 0},
-        {"mount.heading", "rad", "where the input frame looks, positive to the right", 0, true}};
+    static constexpr auto fields =
+        Fields{{"mount.x", "m", "the input frame's origin, forward in the output frame", 0},
+               {"mount.z", "m", "the input frame's origin, to the right in the output frame", 0},
+               {"mount.heading", "rad", "where the input frame looks, positive to the right", 0,
+                Geometry::circular}};
   };
 
   struct Options {

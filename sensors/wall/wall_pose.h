@@ -21,7 +21,7 @@ struct WallPose {
              {"angle", "rad",
               "bearing of the foot of that perpendicular from the forward axis, positive "
               "to the right",
-              required, true}};
+              required, Geometry::circular}};
 };
 
 /// The pose of the wall through two points, x forward and z to the right (m): with the line's

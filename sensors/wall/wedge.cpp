@@ -41,9 +41,9 @@ bool spans_overlap(const SonarReading<double>& left, Contact left_contact,
                    const SonarReading<double>& right, Contact right_contact) {
   const Span l = span_of(left, left_contact);
   const Span r = span_of(right, right_contact);
-  const double apart = wrap_angle(left.mount_heading + (l.from + l.to) / 2 - right.mount_heading -
-                                  (r.from + r.to) / 2);
-  return std::abs(apart) < (l.to - l.from + r.to - r.from) / 2;
+  const double separation = wrap_angle(left.mount_heading + (l.from + l.to) / 2 -
+                                       right.mount_heading - (r.from + r.to) / 2);
+  return std::abs(separation) < (l.to - l.from + r.to - r.from) / 2;
 }
 
 /// How far inside a contact's span a wall's normal lies (rad); negative: outside. A wall that an
@@ -65,18 +65,6 @@ bool same_place_and_axis(const SonarReading<double>& left, const SonarReading<do
 
 int contact_label(Contact left, Contact right) {
   return 5 + 3 * static_cast<int>(left) + static_cast<int>(right);
-}
-
-std::optional<SonarContact> sonar_contact(const SonarReading<double>& sonar, const WallLine& wall) {
-  const double distance =
-      wall.range - std::cos(wall.bearing) * sonar.mount_x - std::sin(wall.bearing) * sonar.mount_z;
-  if (!(distance > 0)) return std::nullopt;
-  const double delta = wrap_angle(wall.bearing - sonar.mount_heading);
-  if (std::abs(delta) <= sonar.beam_half_angle) return SonarContact{distance, Contact::tangent};
-  const double beyond_edge = std::abs(delta) - sonar.beam_half_angle;
-  if (beyond_edge >= right_angle) return std::nullopt;
-  return SonarContact{distance / std::cos(beyond_edge),
-                      delta < 0 ? Contact::left_edge : Contact::right_edge};
 }
 
 void WedgeSolutions::add(const WedgeSolution& solution, bool inside) {
@@ -104,11 +92,11 @@ WedgeSolutions solve_wedge(const SonarReading<double>& left, const SonarReading<
     for (const Contact r : contacts) {
       if (!spans_overlap(left, l, right, r)) continue;
       const auto right_condition = contact_condition(right, r);
-      const double apart =
+      const double separation =
           std::hypot(right_condition.x - left_condition.x, right_condition.z - left_condition.z);
       const double difference = std::abs(left_condition.offset - right_condition.offset);
-      if (difference > apart + rounding) continue;
-      if (apart <= rounding) {
+      if (difference > separation + rounding) continue;
+      if (separation <= rounding) {
         solutions.undetermined = true;
         continue;
       }

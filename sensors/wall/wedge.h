@@ -28,19 +28,6 @@ struct WallLine {
   double bearing;
 };
 
-/// What one sonar makes of an infinite wall.
-struct SonarContact {
-  double range;
-  Contact contact;
-};
-
-/// The forward model (Henderson & Dekhil 1997, sec. 2.3, with the true geometry): for a wall at
-/// distance d > 0 from the sonar, its normal at delta from the beam's axis,
-/// range = d where |delta| <= half angle, else d / cos(delta - edge) with the edge nearer to the
-/// normal. Nothing where the wall lies behind the sonar or never comes into the beam.
-/// `sonar.range` is not used.
-std::optional<SonarContact> sonar_contact(const SonarReading<double>& sonar, const WallLine& wall);
-
 /// A wall that gives both readings.
 struct WedgeSolution {
   Contact left;

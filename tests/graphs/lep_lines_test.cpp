@@ -3,6 +3,7 @@
 
 #include "framework/estimate/consistency.h"
 #include "framework/runtime/runner.h"
+#include "sensors/lep/lep_scan.h"
 #include "sensors/register.h"
 
 namespace ilss {
@@ -70,9 +71,9 @@ TEST(LepLines, StayWhereTheyAreWhileTheHeadTurnsOnCommand) {
   for (int tick = 0; tick < 40; ++tick) {
     runner.step(time_at(scan_time * (tick + 1)));
     expect_the_two_walls(runner, plan, tick);
-    const auto& samples = runner.system().node(plan.find("lep").value()).output().samples.values;
-    ASSERT_FALSE(samples.empty());
-    const double head = samples[1];  // a row: time, head, ...
+    const auto readings = lep_readings_of(runner.system().node(plan.find("lep").value()).output());
+    ASSERT_FALSE(readings.empty());
+    const double head = readings.front().head;
     least = std::min(least, head);
     most = std::max(most, head);
   }

@@ -20,7 +20,7 @@ class SonarsAtWall {
   }
   VerdictReport verdict() const { return judge(*system_).at(0); }
   MonteCarloOutput drawn(std::size_t trials) const {
-    Perturbation perturbation(*system_, {}, Redo::functions);
+    Perturbation perturbation(*system_, system_->plan().outputs, {}, Redo::functions);
     return run_monte_carlo(*system_, perturbation, trials, 2).at(0);
   }
 

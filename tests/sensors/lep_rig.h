@@ -61,7 +61,7 @@ struct LepRig {
     LepRanging ranging;
     const Output* input = &scan;
     const Evaluation evaluation{.tick = 0, .parameters = ranging_parameters, .inputs = {&input, 1}};
-    if (!ranging.evaluate(evaluation, output)) output.samples.values.clear();
+    if (!ranging.evaluate(evaluation, output)) output.samples = {};
     return output;
   }
 
@@ -73,7 +73,8 @@ struct LepRig {
                                 .time = time_at(period * static_cast<double>(tick + 1)),
                                 .seed = derive_seed(seed, static_cast<std::uint64_t>(tick)),
                                 .parameters = sensor_parameters,
-                                .inputs = {}};
+                                .inputs = {},
+                                .run_seed = seed};
     return sensor.evaluate(evaluation, output);
   }
 
@@ -82,7 +83,7 @@ struct LepRig {
     LepSensor sensor(options);
     if (head_rate != 0) (void)sensor.command({"rotate_at", head_rate});
     Output output;
-    if (!take(sensor, 0, seed, output)) output.samples.values.clear();
+    if (!take(sensor, 0, seed, output)) output.samples = {};
     return output;
   }
 

@@ -14,9 +14,12 @@ struct Tick {
   std::int64_t tick = 0;
   std::uint64_t seed = 1;
   std::uint32_t owner = 1;
+  std::uint64_t run_seed = 1;
 
   Evaluation evaluation() const {
-    return {tick, time_at(0.1 * static_cast<double>(tick)), seed, owner, parameters, inputs};
+    return {
+        tick,    time_at(0.1 * static_cast<double>(tick)), seed, owner, parameters, inputs, false,
+        run_seed};
   }
 };
 

@@ -5,15 +5,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 
-namespace {
+#include "tests/src/command.h"
 
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
+namespace ilss {
+namespace {
 
 TEST(CheckCommand, ReportsEveryMistakeInOneGoAndExitsWith2) {
   const std::filesystem::path folder = std::filesystem::path(ILSS_TEST_DATA) / "graph_errors";
@@ -29,4 +26,23 @@ TEST(CheckCommand, ReportsEveryMistakeInOneGoAndExitsWith2) {
   std::filesystem::remove(heard);
 }
 
+// A graph from before scans carried their mount.
+TEST(CheckCommand, SaysWhereALasersMountStands) {
+  const auto graph = test_file("graph.yaml");
+  std::ofstream(graph) << R"(modules:
+  laser: {type: laser_scene}
+  breaks: {type: breakpoints}
+  features: {type: laser_features, mount: {x: 1 m}}
+network: {serial: [laser, breaks, features]}
+)";
+  const Heard heard = call_command("check '" + graph.string() + "'");
+  std::filesystem::remove(graph);
+  EXPECT_EQ(heard.status, 2);
+  EXPECT_EQ(heard.errors, graph.string() +
+                              ":4:36: laser_features has no parameter 'mount': a scan carries it: "
+                              "give it where the scan comes from (laser_log, laser_scene, "
+                              "laser_scene_segments)\n");
+}
+
 }  // namespace
+}  // namespace ilss

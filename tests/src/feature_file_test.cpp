@@ -22,9 +22,10 @@ modules:
     range_std: 10 mm
     quantum: 10 mm
     no_return: 40 m
+    mount: {x: {value: 0.1 m, std: 5 mm}}
   breaks: {type: breakpoints}
   pieces: {type: maximum_likelihood}
-  features: {type: laser_features, virtual_reach: 1 m, mount: {x: {value: 0.1 m, std: 5 mm}}}
+  features: {type: laser_features, virtual_reach: 1 m}
 network: {serial: [laser, breaks, pieces, features]}
 )";
 

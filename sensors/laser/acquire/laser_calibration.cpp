@@ -37,7 +37,7 @@ Outcome<> check(std::span<const CalibrationRange> ranges, int order) {
 }
 
 /// How much of a measured range's noise is left when it is corrected by its polynomial.
-double noise_left(const LaserCalibration& calibration, double measured) {
+double corrected_noise_factor(const LaserCalibration& calibration, double measured) {
   const double share = measured / calibration.reference;
   double slope = 0;
   for (std::size_t k = calibration.bias.size() - 1; k > 0; --k)
@@ -56,7 +56,7 @@ void judge(std::span<const CalibrationRange> ranges, LaserCalibration& calibrati
         error - range_bias(calibration.bias, r.measured / calibration.reference);
     squares += residual * residual;
     before += error * error;
-    const double deviation = r.deviation * noise_left(calibration, r.measured);
+    const double deviation = r.deviation * corrected_noise_factor(calibration, r.measured);
     if (deviation > 0) calibration.chi_squared += residual * residual / (deviation * deviation);
     if (std::abs(residual) <= std::abs(calibration.largest)) continue;
     calibration.largest = residual;
@@ -77,7 +77,7 @@ bool fit(std::span<const CalibrationRange> ranges, LaserCalibration& calibration
   for (Eigen::Index i = 0; i < rows; ++i) {
     const CalibrationRange& r = ranges[static_cast<std::size_t>(i)];
     const double deviation =
-        (r.deviation > 0 ? r.deviation : 1) * noise_left(calibration, r.measured);
+        (r.deviation > 0 ? r.deviation : 1) * corrected_noise_factor(calibration, r.measured);
     double weighted = 1 / deviation;
     errors[i] = weighted * (r.measured - r.truth);
     for (Eigen::Index k = 0; k < columns; ++k, weighted *= r.measured / calibration.reference)

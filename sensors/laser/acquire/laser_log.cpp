@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "sensors/laser/laser_mount.h"
+
 namespace ilss {
 namespace {
 
@@ -37,7 +39,7 @@ void LaserLog::reset() {
   next_ = 0;
   beams_ = 0;
   time_ = -std::numeric_limits<double>::infinity();
-  passed_ = 0;
+  scans_passed_ = 0;
   has_begun_ = false;
   ahead_.reset();
   skipped_ = {};
@@ -65,12 +67,13 @@ void LaserLog::emit(const Evaluation& evaluation, const LaserRecord& record, Out
                                       .bearing_std = options_.bearing_std,
                                       .quantum = options_.quantum,
                                       .max_range = options_.no_return});
+  set_mount(evaluation.parameters, 0, output.estimate);
   output.acquired = Acquisition::at(evaluation.time);
 }
 
 /// Whether a CSV's scan is like the one before it: nothing else tells a cut line, or one without
 /// its time.
-Outcome<> LaserLog::check_against_last(const LaserRecord& record) const {
+Outcome<> LaserLog::check_continuity(const LaserRecord& record) const {
   if (options_.format != LaserLogFormat::csv || beams_ == 0) return {};
   if (record.ranges.size() != beams_)
     return Fault{FaultKind::bad_data, fmt::format("{} ranges; expected {}, as in the scan before",
@@ -97,14 +100,14 @@ Outcome<std::optional<LaserRecord>> LaserLog::read_next() {
     const std::size_t line = next_++;
     auto record = parse(log_->line(line));
     if (record && !*record) continue;
-    if (passed_ < options_.first) {
-      ++passed_;
+    if (scans_passed_ < options_.first) {
+      ++scans_passed_;
       continue;
     }
-    const Outcome<> good = record ? check_against_last(**record) : Outcome<>(record.fault());
-    if (!good) {
-      Fault fault{good.fault().kind,
-                  fmt::format("{}:{}: {}", options_.file.string(), line + 1, good.fault().message)};
+    const Outcome<> continuity = record ? check_continuity(**record) : Outcome<>(record.fault());
+    if (!continuity) {
+      Fault fault{continuity.fault().kind, fmt::format("{}:{}: {}", options_.file.string(),
+                                                       line + 1, continuity.fault().message)};
       if (!options_.skip_bad) return fault;
       skipped_.add(fault);
       continue;

@@ -21,6 +21,7 @@ constexpr std::uint32_t column_of_last_edge = 7;
 constexpr Eigen::Index scan_size = dimension_of<SegmentedScan>;
 constexpr auto bias_column = static_cast<Eigen::Index>(first_bias);
 constexpr auto bias_count = static_cast<Eigen::Index>(range_biases);
+constexpr auto mount_column = static_cast<Eigen::Index>(first_mount);
 
 using Vector2 = Eigen::Vector2d;
 
@@ -68,30 +69,24 @@ PlaceOnLine meet(const LaserLineFit& line, double beam_cosine, double beam_sine)
 }  // namespace
 
 LaserFeatureWriter::LaserFeatureWriter(const Evaluation& evaluation, const LaserNoise& noise,
-                                       Output& output, std::vector<Estimate>& spare)
-    : evaluation_(evaluation), noise_(noise), output_(output), spare_(spare) {
-  const std::vector<double>& mount = evaluation.parameters.value;
-  mount_ = {mount[0], mount[1], mount[2]};
-  cosine_ = std::cos(mount_.heading);
-  sine_ = std::sin(mount_.heading);
-  has_systematic_errors_ =
-      !evaluation.parameters.lineage.empty() || !evaluation.input(0).lineage.empty();
-}
+                                       Output& output)
+    : evaluation_(evaluation),
+      noise_(noise),
+      mount_(mount_of(evaluation.input(0))),
+      cosine_(std::cos(mount_.heading)),
+      sine_(std::sin(mount_.heading)),
+      has_systematic_errors_(!evaluation.input(0).lineage.empty()),
+      output_(output) {}
 
 Source LaserFeatureWriter::source(std::size_t segment, std::uint32_t column) const {
   return evaluation_.fresh(columns_of_segment * static_cast<std::uint32_t>(segment) + column);
 }
 
 Estimate& LaserFeatureWriter::next(const PayloadDescriptor& type) {
-  if (count_ == output_.elements.size()) {
-    if (spare_.empty()) spare_.emplace_back();
-    output_.elements.push_back(std::move(spare_.back()));
-    spare_.pop_back();
-  }
+  if (count_ == output_.elements.size()) output_.elements.emplace_back();
   Estimate& element = output_.elements[count_++];
   element.type = &type;
   element.frame = output_.estimate.frame;
-  element.correlation_unknown = evaluation_.input(0).correlation_unknown;
   element.labels.assign(type.labels.size(), 0);
   element.lineage.reset(type.components.size());
   return element;
@@ -147,10 +142,9 @@ Estimate& LaserFeatureWriter::write(const PayloadDescriptor& type,
   if (!has_systematic_errors_) return element;
   Eigen::Matrix<double, Rows, scan_size> by_scan = Eigen::Matrix<double, Rows, scan_size>::Zero();
   by_scan.template middleCols<bias_count>(bias_column) = feature.by_bias;
-  const std::array<LineageTerm, 2> terms{
-      {{by_scan.data(), &evaluation_.input(0).lineage},
-       {feature.by_mount.data(), &evaluation_.parameters.lineage}}};
-  compose(terms, static_cast<std::size_t>(Rows), element.lineage);
+  by_scan.template middleCols<3>(mount_column) = feature.by_mount;
+  const LineageTerm term{by_scan.data(), &evaluation_.input(0).lineage};
+  compose({&term, 1}, static_cast<std::size_t>(Rows), element.lineage);
   return element;
 }
 
@@ -323,10 +317,7 @@ void LaserFeatureWriter::add_edge(std::size_t index, const LaserLineFit& line,
 }
 
 void LaserFeatureWriter::finish() {
-  while (output_.elements.size() > count_) {
-    spare_.push_back(std::move(output_.elements.back()));
-    output_.elements.pop_back();
-  }
+  output_.elements.resize(count_);
   assign<RangeFeatures>(output_.estimate, {static_cast<double>(segments_)});
 }
 

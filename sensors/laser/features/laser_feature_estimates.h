@@ -7,26 +7,17 @@
 #include "framework/module/module.h"
 #include "sensors/features/range_features.h"
 #include "sensors/laser/features/laser_segment.h"
+#include "sensors/laser/laser_mount.h"
 
 namespace ilss {
 
-/// Where a laser stands in the robot's plane, x forward and z to the right; heading from x towards
-/// z (m, rad).
-struct LaserMount {
-  double x = 0;
-  double z = 0;
-  double heading = 0;
-};
-
-/// Writes the features of one tick into an output. The evaluation's input 0 is the scan, whose
-/// components from `first_bias` on are the ranges' systematic errors; its parameters are the mount.
+/// Writes the features of one tick into an output. The evaluation's input 0 is the scan, which
+/// brings the ranges' systematic errors and the mount.
 /// Each segment's noise is fresh sources of the module by the segment's place, which corners and
 /// edges share.
 class LaserFeatureWriter {
  public:
-  /// `spare` holds elements that earlier ticks had and this one may use again.
-  LaserFeatureWriter(const Evaluation& evaluation, const LaserNoise& noise, Output& output,
-                     std::vector<Estimate>& spare);
+  LaserFeatureWriter(const Evaluation& evaluation, const LaserNoise& noise, Output& output);
 
   /// Adds a segment as a line_segment or arc_segment; `index` is its place among the segments.
   void add(std::size_t index, const LaserSegment& segment, std::span<const ScanPoint> scan);
@@ -73,7 +64,6 @@ class LaserFeatureWriter {
   double sine_;
   bool has_systematic_errors_;
   Output& output_;
-  std::vector<Estimate>& spare_;
   std::size_t count_ = 0;
   std::size_t segments_ = 0;
 };

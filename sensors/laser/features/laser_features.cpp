@@ -177,7 +177,7 @@ Outcome<> LaserFeatures::evaluate(const Evaluation& evaluation, Output& output) 
   if (auto read = scan_.read(*evaluation.inputs[0]); !read) return read;
   fit_all(noise, uncertain_biases(scan));
   if (segments_.empty()) return nothing_fits(noise);
-  LaserFeatureWriter writer(evaluation, noise, output, spare_);
+  LaserFeatureWriter writer(evaluation, noise, output);
   for (std::size_t i = 1; i < segments_.size(); ++i)
     segments_[i].meets_before = is_real_corner(segments_[i - 1], segments_[i], noise);
   for (std::size_t i = 0; i < segments_.size(); ++i) {

@@ -25,7 +25,7 @@ namespace ilss {
 /// meet within `virtual_reach` of their ends. An edge is where a line ends before a farther
 /// surface (a breakpoint, by the adaptive detector), never at the scan's first or last beam.
 /// Each segment's noise is its own sources, so a corner is correlated with its two lines and these
-/// are not with each other; the mount and the ranges' systematic errors pass through to all.
+/// are not with each other; the scan's mount and its ranges' systematic errors pass through to all.
 /// Faults: bad_data where a number is not finite or a range negative; no_error_known where the
 /// scan states no noise; no_detection where no segment fits.
 class LaserFeatures final : public Module {
@@ -37,16 +37,10 @@ class LaserFeatures final : public Module {
   static constexpr ModuleKind kind = ModuleKind::estimator;
   static constexpr std::array faults = {FaultKind::bad_data, FaultKind::no_error_known,
                                         FaultKind::no_detection};
-
-  template <typename T>
-  struct Parameters {
-    T mount_x, mount_z, mount_heading;
-    static constexpr std::string_view name = "laser_features_parameters";
-    static constexpr auto fields =
-        Fields{{"mount.x", "m", "the laser's place, forward of the robot's origin", 0},
-               {"mount.z", "m", "the laser's place, to the right", 0},
-               {"mount.heading", "rad", "where the laser looks, positive to the right", 0, true}};
-  };
+  static constexpr std::array moved_parameters = {MovedParameter{
+      "mount",
+      "a scan carries it: give it where the scan comes from (laser_log, laser_scene, "
+      "laser_scene_segments)"}};
 
   struct Options {
     LaserModelRule model = {};
@@ -77,7 +71,6 @@ class LaserFeatures final : public Module {
   Options options_;
   SegmentedPoints scan_;
   std::vector<LaserSegment> segments_;
-  std::vector<Estimate> spare_;  ///< buffers of elements that this tick does not need
 };
 
 }  // namespace ilss

@@ -9,9 +9,14 @@ namespace ilss {
 /// run of beams one after another; 0 belongs to none: no return, an isolated reading, or what a
 /// segmenter left over.
 struct SegmentedBeam {
-  double bearing = 0;  ///< as a LaserBeam's
+  double bearing = 0;
   double range = 0;
   double segment = 0;
+
+  static constexpr auto columns = Columns{
+      column(&SegmentedBeam::bearing, "bearing", "rad", "counter-clockwise from the forward axis"),
+      column(&SegmentedBeam::range, "range", "m", "0: no return"),
+      column(&SegmentedBeam::segment, "segment", "1", "that it belongs to, from 1; 0: none")};
 };
 
 /// A laser_scan whose beams say to which segment they belong: what a breakpoint detector makes of a
@@ -20,13 +25,12 @@ template <typename T>
 struct SegmentedScan {
   T range_std, bearing_std, quantum, max_range;
   T bias_0{}, bias_1{}, bias_2{}, bias_3{}, bias_4{}, bias_5{}, bias_6{}, bias_range{1.0};
+  T mount_x{}, mount_z{}, mount_heading{};
 
   static constexpr std::string_view name = "segmented_scan";
-  static constexpr std::string_view documentation =
-      "a laser_scan taken apart; each row of the samples is a beam's bearing (rad, counter-"
-      "clockwise), range (m; 0: no return) and segment (from 1; 0: none)";
+  static constexpr std::string_view documentation = "a laser_scan taken apart";
   static constexpr auto fields = LaserScan<T>::fields;
-  static SamplesDescriptor samples() { return {"SI", {"beam", "quantity"}}; }
+  static SamplesDescriptor samples() { return samples_of_rows<SegmentedBeam>("beam"); }
 };
 
 /// The beams of a segmented scan's output.

@@ -9,23 +9,20 @@ namespace ilss {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
-constexpr double half_room = 5;    // m, of the largest
-constexpr double clearance = 0.5;  // m
-constexpr int places_tried = 200;  // for a thing of one size
-constexpr int standpoints_tried = 5000;
+constexpr double half_room = 5;          // m, of the largest
+constexpr double clearance = 0.5;        // m
+constexpr int placement_attempts = 200;  // for a thing of one size
+constexpr int standpoint_attempts = 5000;
 constexpr std::size_t most_stray_readings = 4;  // of a piece that does not count
 
-/// Random numbers that are the same wherever the program is built.
+/// What a room is drawn with.
 class Draw {
  public:
   explicit Draw(std::uint64_t seed) : random_(seed) {}
-  double between(double low, double high) {
-    constexpr double unit = 0x1p-53;
-    return low + (high - low) * (static_cast<double>(random_() >> 11) * unit);
-  }
+  double between(double low, double high) { return draw_uniform(random_, low, high); }
   /// Whole numbers from `low` to `high`.
   int whole(int low, int high) {
-    return low + static_cast<int>(random_() % static_cast<std::uint64_t>(high - low + 1));
+    return low + static_cast<int>(draw_index(random_, static_cast<std::uint64_t>(high - low + 1)));
   }
   bool chance(double probability) { return between(0, 1) < probability; }
 
@@ -73,7 +70,7 @@ ScenePoint draw_point(Draw& draw) {
 }
 
 std::optional<ScenePoint> draw_place(const Scene& room, double radius, Draw& draw) {
-  for (int i = 0; i < places_tried; ++i) {
+  for (int i = 0; i < placement_attempts; ++i) {
     const ScenePoint place = draw_point(draw);
     if (is_free(room, place, radius + clearance)) return place;
   }
@@ -187,8 +184,8 @@ Scene generate_room(std::uint64_t seed) {
   // Pillars first: the large ones need the room.
   const int pillars = draw.whole(1, 3);
   for (int i = 0; i < pillars; ++i) add_pillar(draw, room);
-  constexpr int more_tries = 100;  // every room has a pillar
-  for (int i = 0; i < more_tries && room.pillars.empty(); ++i) add_pillar(draw, room);
+  constexpr int pillar_attempts = 100;  // every room has a pillar
+  for (int i = 0; i < pillar_attempts && room.pillars.empty(); ++i) add_pillar(draw, room);
   const int boxes = draw.whole(2, 4);
   for (int i = 0; i < boxes; ++i) add_box(draw, room);
   return room;
@@ -200,7 +197,7 @@ std::optional<ScenePose> draw_standpoint(const Scene& room, const RayCaster& cas
   Draw draw(seed);
   std::vector<TracedBeam> beams;
   std::vector<VisiblePiece> pieces;
-  for (int i = 0; i < standpoints_tried; ++i) {
+  for (int i = 0; i < standpoint_attempts; ++i) {
     const ScenePoint place = draw_point(draw);
     const double heading = draw.between(-std::numbers::pi, std::numbers::pi);
     if (!is_free(room, place, clearance)) continue;

@@ -19,7 +19,7 @@ Outcome<> LaserScene::scan(const Evaluation& evaluation, bool noisy, Output& out
   if (!stand) return stand.fault();
   stand_ = *stand;
   world_.scan(evaluation, *stand, noisy, make_beams(output, world_.sweep().beams));
-  assign<LaserScan>(output.estimate, world_.description(evaluation));
+  world_.describe(evaluation, output.estimate);
   output.acquired = {evaluation.time - duration_of(world_.sweep().duration), evaluation.time};
   return {};
 }

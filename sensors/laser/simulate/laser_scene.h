@@ -15,7 +15,8 @@ namespace ilss {
 /// al. 2009, sec. 5 (generated_room.h). A beam goes to its bearing and an error of `bearing_std`,
 /// its range has an error of `range_std` and is told in whole quanta; beams count from the right to
 /// the left. Surfaces beyond `max_range` give no return. The robot may drive during the sweep; the
-/// scan then is what a device that knows nothing of it tells.
+/// scan then is what a device that knows nothing of it tells. The mount's value is the simulation's
+/// truth; the scan carries it with its errors.
 /// Faults: out_of_range where an sd is negative; degenerate where a generated room has no place to
 /// scan from.
 class LaserScene final : public Module {
@@ -44,7 +45,6 @@ class LaserScene final : public Module {
   /// The scan without noise, with the errors that the readings would have.
   Outcome<> expect(const Evaluation& evaluation, const Output* operating_point,
                    Output& output) override;
-  void reset() override { world_.reset(); }
 
   /// The scene of the last tick, and how the laser stood in it; nothing before the first.
   const Scene* scene() const { return stand_ ? &world_.scene() : nullptr; }

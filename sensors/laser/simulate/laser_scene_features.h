@@ -53,7 +53,6 @@ class LaserSceneFeatures final : public Module {
   explicit LaserSceneFeatures(const Options& options) : options_(options), world_(options.world) {}
 
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override;
-  void reset() override { world_.reset(); }
 
  private:
   class Writer;

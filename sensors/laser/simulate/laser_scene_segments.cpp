@@ -31,11 +31,7 @@ Outcome<> LaserSceneSegments::evaluate(const Evaluation& evaluation, Output& out
     for (std::size_t i = piece.first; i <= piece.last; ++i)
       if (surfaces_[i] == piece.surface) beams[i].segment = segment;
   }
-  const LaserScan<double> scan = world_.description(evaluation);
-  assign<SegmentedScan>(output.estimate, {.range_std = scan.range_std,
-                                          .bearing_std = scan.bearing_std,
-                                          .quantum = scan.quantum,
-                                          .max_range = scan.max_range});
+  world_.describe(evaluation, output.estimate);
   output.acquired = {evaluation.time - duration_of(world_.sweep().duration), evaluation.time};
   return {};
 }

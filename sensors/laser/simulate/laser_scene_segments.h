@@ -41,7 +41,6 @@ class LaserSceneSegments final : public Module {
   explicit LaserSceneSegments(const Options& options) : options_(options), world_(options.world) {}
 
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override;
-  void reset() override { world_.reset(); }
 
  private:
   Options options_;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "framework/estimate/distribution.h"
+#include "framework/estimate/random.h"
 
 namespace ilss {
 namespace {

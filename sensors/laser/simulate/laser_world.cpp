@@ -5,7 +5,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "sensors/laser/laser_mount.h"
+
 namespace ilss {
+namespace {
+
+/// Where the mount begins among the parameters.
+constexpr std::size_t mount_parameter = 5;
+
+}  // namespace
 
 void LaserWorldOptions::declare(OptionVisitor& visit) {
   visit("scene", scene, "the scene's file; without one, rooms are generated");
@@ -46,8 +54,6 @@ void LaserWorld::set_scene(Scene scene) {
   caster_.emplace(*scene_);
 }
 
-void LaserWorld::reset() { map_ = -1; }
-
 Outcome<LaserStand> LaserWorld::enter(const Evaluation& evaluation) {
   const auto p = payload_of<LaserWorldParameters>(evaluation.parameters);
   for (const double deviation : {p.range_std, p.bearing_std})
@@ -60,9 +66,12 @@ Outcome<LaserStand> LaserWorld::enter(const Evaluation& evaluation) {
     return LaserStand{drive(start, options_.speed, options_.turn_rate, seconds(evaluation.time)),
                       mount};
   }
-  if (const std::int64_t map = evaluation.tick / options_.scans_per_map; map != map_) {
-    set_scene(generate_room(derive_seed(evaluation.seed, "room")));
-    map_ = map;
+  const std::int64_t first_in_map =
+      evaluation.tick / options_.scans_per_map * options_.scans_per_map;
+  if (const std::uint64_t room = derive_seed(evaluation.seed_at(first_in_map), "room");
+      room != room_) {
+    set_scene(generate_room(room));
+    room_ = room;
   }
   const auto robot =
       draw_standpoint(*scene_, *caster_, sweep_, mount, derive_seed(evaluation.seed, "standpoint"));
@@ -81,12 +90,13 @@ void LaserWorld::scan(const Evaluation& evaluation, const LaserStand& stand, boo
                 surfaces);
 }
 
-LaserScan<double> LaserWorld::description(const Evaluation& evaluation) const {
+void LaserWorld::describe(const Evaluation& evaluation, Estimate& scan) const {
   const auto p = payload_of<LaserWorldParameters>(evaluation.parameters);
-  return {.range_std = p.range_std,
-          .bearing_std = p.bearing_std,
-          .quantum = options_.quantum,
-          .max_range = options_.max_range};
+  assign<LaserScan>(scan, {.range_std = p.range_std,
+                           .bearing_std = p.bearing_std,
+                           .quantum = options_.quantum,
+                           .max_range = options_.max_range});
+  set_mount(evaluation.parameters, mount_parameter, scan);
 }
 
 }  // namespace ilss

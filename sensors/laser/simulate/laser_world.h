@@ -36,33 +36,36 @@ struct LaserWorldParameters {
              {"bearing_std", "rad", "sd of a beam's direction", 0.0017453292519943296},
              {"robot.x", "m", "where the robot starts in the scene's file", 0},
              {"robot.z", "m", "where the robot starts in the scene's file", 0},
-             {"robot.heading", "rad", "where it looks at first, positive to the right", 0, true},
+             {"robot.heading", "rad", "where it looks at first, positive to the right", 0,
+              Geometry::circular},
              {"mount.x", "m", "the laser's place, forward of the robot's origin", 0},
              {"mount.z", "m", "the laser's place, to the right", 0},
-             {"mount.heading", "rad", "where the laser looks, positive to the right", 0, true}};
+             {"mount.heading", "rad", "where the laser looks, positive to the right", 0,
+              Geometry::circular}};
 };
 
 /// The world that a laser scans. With a scene's file the robot stands where the parameters say, or
 /// drives from there. Without one, a room is generated for every `scans_per_map` ticks and a
-/// standpoint in it for each; both follow from the ticks' seeds and the laser's field of view,
-/// beams, range and mount, so that a scan and its truth, modules of one name, see the same world.
+/// standpoint in it for each; both follow from the run's seed, the module's name, the tick and
+/// the laser's field of view, beams, range and mount, so that a scan and its truth, modules of one
+/// name, see the same world, whichever tick is asked for first.
 class LaserWorld {
  public:
   explicit LaserWorld(const LaserWorldOptions& options);
 
-  /// Goes on to a tick: how the laser stands in it. Faults: out_of_range where range_std or
+  /// Enters a tick's world: how the laser stands in it. Faults: out_of_range where range_std or
   /// bearing_std is negative or not finite; degenerate where a room has no standpoint.
   Outcome<LaserStand> enter(const Evaluation& evaluation);
   /// The tick's scan, with the noise that follows from its seed, or without any; `surfaces` as
   /// simulate_scan's.
   void scan(const Evaluation& evaluation, const LaserStand& stand, bool noisy,
             std::span<LaserBeam> scan, std::span<std::size_t> surfaces = {}) const;
-  /// What a scan says of its own errors.
-  LaserScan<double> description(const Evaluation& evaluation) const;
+  /// Sets the components of a laser_scan or segmented_scan: what a scan says of its own errors, and
+  /// the mount with its sources.
+  void describe(const Evaluation& evaluation, Estimate& scan) const;
   const Scene& scene() const { return *scene_; }
   const RayCaster& caster() const { return *caster_; }
   const LaserSweep& sweep() const { return sweep_; }
-  void reset();
 
  private:
   void set_scene(Scene scene);
@@ -71,7 +74,7 @@ class LaserWorld {
   LaserSweep sweep_;
   std::optional<Scene> scene_;
   std::optional<RayCaster> caster_;
-  std::int64_t map_ = -1;  ///< which of the generated rooms it is
+  std::optional<std::uint64_t> room_;  ///< the seed of the generated room that it is
 };
 
 }  // namespace ilss

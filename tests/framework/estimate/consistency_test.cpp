@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <random>
 
 #include "framework/estimate/random.h"
 
@@ -29,16 +28,15 @@ template <typename T>
 struct Heading {
   T angle;
   static constexpr std::string_view name = "test_heading";
-  static constexpr auto fields = Fields{{"angle", "rad", "", required, true}};
+  static constexpr auto fields = Fields{{"angle", "rad", "", required, Geometry::circular}};
 };
 
 /// Errors drawn with covariance root rootᵀ, judged under `claimed`.
 ConsistencyStatistic judge(const MatrixXd& root, const MatrixXd& claimed, std::uint64_t seed) {
   RandomBits bits(seed);
-  std::normal_distribution<double> normal;
   ConsistencyStatistic statistic;
   for (int run = 0; run < 2000; ++run) {
-    const VectorXd z = VectorXd::NullaryExpr(root.cols(), [&] { return normal(bits); });
+    const VectorXd z = VectorXd::NullaryExpr(root.cols(), [&] { return draw_normal(bits); });
     statistic.add(normalized_squared_error(root * z, claimed));
   }
   return statistic;

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <numbers>
+#include <vector>
 
 namespace ilss {
 namespace {
@@ -39,6 +42,49 @@ TEST_P(EveryLaw, HasZeroMeanAndUnitVarianceWithinItsEnds) {
     EXPECT_LE(largest, half_width(GetParam()));
     EXPECT_GT(largest, 0.99 * half_width(GetParam()));
   }
+}
+
+// Drawn once by this program; what they pin is that they are the same wherever it is built.
+TEST(Draw, IsTheSameEverywhere) {
+  RandomBits random(2);
+  EXPECT_EQ(draw({Shape::student_t, 5, nullptr}, random), -0x1.fadf81049995dp-1);
+  EXPECT_EQ(draw({Shape::arcsine, 0, nullptr}, random), 0x1.ddb414e152063p-2);
+}
+
+/// The largest distance between the distribution of draws and the law's, times sqrt(n).
+template <typename Law>
+double kolmogorov_statistic(const Distribution& distribution, Law distribution_function) {
+  constexpr int n = 100'000;
+  RandomBits random(18);
+  std::vector<double> draws(n);
+  for (double& x : draws) x = draw(distribution, random);
+  std::sort(draws.begin(), draws.end());
+  double largest = 0;
+  for (int i = 0; i < n; ++i) {
+    const double p = distribution_function(draws[static_cast<std::size_t>(i)]);
+    largest = std::max({largest, p - i / double{n}, (i + 1) / double{n} - p});
+  }
+  return largest * std::sqrt(double{n});
+}
+constexpr double once_in_a_thousand = 1.95;  // exceeded by the right law (Kolmogorov)
+
+TEST(Draw, OfStudentsTIsThatOfItsDegreesOfFreedom) {
+  for (const double n : {2.5, 12.0}) {
+    const boost::math::students_t law_of_n(n);
+    EXPECT_LT(
+        kolmogorov_statistic({Shape::student_t, n, nullptr},
+                             [&](double x) { return cdf(law_of_n, x / std::sqrt((n - 2) / n)); }),
+        once_in_a_thousand)
+        << n << " degrees of freedom";
+  }
+}
+
+TEST(Draw, OfTheArcsineLawIsThatLaw) {
+  EXPECT_LT(
+      kolmogorov_statistic(
+          {Shape::arcsine, 0, nullptr},
+          [](double x) { return 0.5 + std::asin(x / std::numbers::sqrt2) / std::numbers::pi; }),
+      once_in_a_thousand);
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, EveryLaw,

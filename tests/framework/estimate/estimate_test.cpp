@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "framework/estimate/differentiate.h"
 #include "framework/estimate/random.h"
@@ -20,7 +19,7 @@ struct Pose {
   T range, angle;
   static constexpr std::string_view name = "test_pose";
   static constexpr auto fields =
-      Fields{{"range", "m", "", 1.5}, {"angle", "rad", "", required, true}};
+      Fields{{"range", "m", "", 1.5}, {"angle", "rad", "", required, Geometry::circular}};
 };
 
 Estimate pose(double range, double angle) {
@@ -35,8 +34,7 @@ TEST(WrapAngle, StaysInTheHalfOpenIntervalAndChangesByWholeTurnsOnly) {
   for (int turns = -1000; turns <= 1000; ++turns)
     for (const double direction : {-10.0, 0.0, 10.0})
       angles.push_back(std::nextafter((2 * turns + 1) * pi, direction * 1e4));
-  std::uniform_real_distribution<double> uniform(-1e4, 1e4);
-  for (int i = 0; i < 10000; ++i) angles.push_back(uniform(bits));
+  for (int i = 0; i < 10000; ++i) angles.push_back(draw_uniform(bits, -1e4, 1e4));
   for (const double angle : angles) {
     SCOPED_TRACE(angle);
     const double wrapped = wrap_angle(angle);

@@ -5,7 +5,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <map>
-#include <random>
 #include <set>
 
 #include "framework/estimate/budget.h"
@@ -17,13 +16,12 @@ namespace {
 using Eigen::MatrixXd;
 
 MatrixXd random_matrix(std::size_t rows, std::size_t columns, RandomBits& bits) {
-  std::normal_distribution<double> normal;
   return MatrixXd::NullaryExpr(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns),
-                               [&] { return normal(bits); });
+                               [&] { return draw_normal(bits); });
 }
 
 std::size_t random_count(std::size_t least, std::size_t most, RandomBits& bits) {
-  return std::uniform_int_distribution<std::size_t>(least, most)(bits);
+  return least + draw_index(bits, most - least + 1);
 }
 
 /// About `count` columns over sources of three owners, drawn from a pool so that lineages share.

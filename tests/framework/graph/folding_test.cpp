@@ -365,11 +365,10 @@ TEST(SharedConstant, CrossCovarianceAgreesWithMonteCarloAndIndependenceDoesNot) 
   // Every tick draws another true height; the modules go on believing in their constant's value.
   System system(plan, seed);
   RandomBits random(seed);
-  std::normal_distribution<double> height(1.2, 0.05);
   double sum = 0;
   double squares = 0;
   for (int i = 0; i < count; ++i) {
-    const double drawn = height(random);
+    const double drawn = 1.2 + 0.05 * draw_normal(random);
     for (const char* line : {"left_line", "right_line"})
       plan.nodes[plan.find(line).value()].parameters.value[0] = drawn;
     system.evaluate(time_at(i));

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cmath>
-#include <random>
 
 #include "framework/module/registry.h"
 
@@ -32,7 +31,7 @@ struct Turn {
   std::array<int, 1> label{};
   static constexpr std::string_view name = "turn";
   static constexpr auto fields =
-      Fields{{"angle", "rad", "", required, true}, {"ratio", "1", "", 1.0}};
+      Fields{{"angle", "rad", "", required, Geometry::circular}, {"ratio", "1", "", 1.0}};
   static constexpr std::span<const LabelField> labels = turn_labels;
 };
 
@@ -82,8 +81,7 @@ class Reading final : public Module {
       if (skipped == evaluation.tick) return Fault{FaultKind::no_detection, "skipped"};
     double x = options_.value;
     RandomBits random = evaluation.random();
-    if (options_.noise == Distribution::normal)
-      x += std::normal_distribution<double>(0, options_.value_std)(random);
+    if (options_.noise == Distribution::normal) x += options_.value_std * draw_normal(random);
     return emit(evaluation, x, output);
   }
   Outcome<> expect(const Evaluation& evaluation, const Output* operating_point,
@@ -284,7 +282,8 @@ class TurnReading final : public Module {
   struct Parameters {
     T angle;
     static constexpr std::string_view name = "turn_parameters";
-    static constexpr auto fields = Fields{{"angle", "rad", "as given", required, true}};
+    static constexpr auto fields =
+        Fields{{"angle", "rad", "as given", required, Geometry::circular}};
   };
   static Interface interface() { return {{}, &descriptor<Turn>(), "here", {}}; }
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override {

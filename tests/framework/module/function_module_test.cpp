@@ -5,10 +5,11 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 #include <stdexcept>
 
+#include "framework/estimate/rotation.h"
 #include "tests/allocation_count.h"
+#include "tests/orientation.h"
 
 namespace ilss {
 namespace {
@@ -165,7 +166,7 @@ TEST(FunctionModule, GivesTheSameValueWithAndWithoutErrors) {
 
 TEST(FunctionModule, ExactJacobianEqualsAutomaticDifferentiation) {
   RandomBits bits(3);
-  std::uniform_real_distribution<double> uniform(0.1, 3);
+  const auto uniform = [](RandomBits& random) { return draw_uniform(random, 0.1, 3); };
   for (int i = 0; i < 100; ++i) {
     Bench bench;
     bench.parameters.value = {uniform(bits)};
@@ -201,16 +202,6 @@ TEST(FunctionModule, TakesMissingLabelsForTheFirst) {
   EXPECT_EQ(bench.output.estimate.labels, std::vector<int>{0});
 }
 
-TEST(FunctionModule, PassesUnknownCorrelationThrough) {
-  Bench bench;
-  bench.single.estimate.correlation_unknown = true;
-  ASSERT_TRUE(bench.evaluate());
-  EXPECT_TRUE(bench.output.estimate.correlation_unknown);
-  bench.single.estimate.correlation_unknown = false;
-  ASSERT_TRUE(bench.evaluate());
-  EXPECT_FALSE(bench.output.estimate.correlation_unknown);
-}
-
 TEST(FunctionModule, PassesTheFormulasFaultsOn) {
   for (const bool with_errors : {false, true}) {
     Bench bench;
@@ -231,12 +222,10 @@ TEST(FunctionModule, LeavesTheOutputAloneWhenPending) {
     const Estimate before = bench.output.estimate;
     if (with_errors) bench.add_errors();
     bench.pair.estimate.value[1] = -2;
-    bench.pair.estimate.correlation_unknown = true;
     EXPECT_TRUE(bench.evaluate().is_pending());
     EXPECT_TRUE(bench.evaluate<MixtureWithJacobian>().is_pending());
     EXPECT_TRUE(FunctionModule(Mixture{}).differentiate(bench.evaluation()).is_pending());
     EXPECT_EQ(bench.output.estimate.value, before.value);
-    EXPECT_EQ(bench.output.estimate.correlation_unknown, before.correlation_unknown);
     EXPECT_EQ(bench.output.estimate.lineage.size(), before.lineage.size());
   }
 }
@@ -316,8 +305,8 @@ TEST(FunctionModule, DoesNotAllocateInSteadyState) {
 
 TEST(Lineage, DoesNotAllocateInSteadyState) {
   RandomBits bits(1);
-  std::normal_distribution<double> normal;
-  const Eigen::MatrixXd jacobian = Eigen::MatrixXd::NullaryExpr(4, 4, [&] { return normal(bits); });
+  const Eigen::MatrixXd jacobian =
+      Eigen::MatrixXd::NullaryExpr(4, 4, [&] { return draw_normal(bits); });
   const Eigen::MatrixXd covariance = jacobian * jacobian.transpose();
   const Eigen::MatrixXd singular = jacobian.leftCols(2) * jacobian.leftCols(2).transpose();
   Lineage a(4);
@@ -349,6 +338,46 @@ TEST(AllocationCount, Counts) {
   before = allocation_count;
   const Eigen::VectorXd other(100);
   EXPECT_GT(allocation_count, before) << other.size();
+}
+
+/// Turned by `second` after `first`.
+struct Turned {
+  static constexpr std::string_view name = "turned", description = "one rotation after another";
+  static constexpr std::array<std::string_view, 2> inputs = {"first", "second"};
+  template <typename T>
+  Outcome<test::Orientation<T>> operator()(const test::Orientation<T>& first,
+                                           const test::Orientation<T>& second) const {
+    const auto r =
+        rotation_product<T>({first.rx, first.ry, first.rz}, {second.rx, second.ry, second.rz});
+    return test::Orientation<T>{r[0], r[1], r[2]};
+  }
+};
+
+TEST(FunctionModule, ErrorsOfRotationsAreThoseOfTheTangents) {
+  // R(a) R(e_a) R(b) R(e_b) = R(a) R(b) R(R(b)ᵀ e_a) R(e_b)
+  const PayloadDescriptor& type = descriptor<test::Orientation>();
+  RandomBits random(5);
+  for (int i = 0; i < 200; ++i) {
+    Output first, second, output;
+    for (Output* input : {&first, &second}) {
+      input->estimate = Estimate(type);
+      for (double& component : input->estimate.value) component = draw_uniform(random, -1.8, 1.8);
+      normalize(type, input->estimate.value);
+    }
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      first.estimate.lineage.add({0, c, 0}, c, 1);
+      second.estimate.lineage.add({1, c, 0}, c, 1);
+    }
+    output.estimate = Estimate(type);
+    const Estimate none(no_parameters());
+    const std::array<const Output*, 2> inputs{&first, &second};
+    ASSERT_TRUE(
+        FunctionModule<Turned>({}).evaluate({.parameters = none, .inputs = inputs}, output));
+    const auto& b = second.estimate.value;
+    const Eigen::MatrixXd factor = output.estimate.lineage.factor();
+    EXPECT_LT((factor.leftCols(3) - rotation_matrix({-b[0], -b[1], -b[2]})).norm(), 1e-12);
+    EXPECT_LT((factor.rightCols(3) - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+  }
 }
 
 }  // namespace

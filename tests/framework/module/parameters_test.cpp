@@ -138,6 +138,16 @@ TEST(Options, ThatAreUnknownAreReportedWithASuggestion) {
                       "f.yaml:4:1: camera has no parameter 'zzz'"}));
 }
 
+TEST(Options, ThatWereMovedAreReportedWithWhereTheyStand) {
+  Diagnostics diagnostics;
+  const Node root = parse_document("mount: {x: 1 m}\nrows: 8\n", "f.yaml", diagnostics);
+  check_keys(root, declare_options<Everything>(), "camera", diagnostics,
+             {{"mount", "give it to the tripod"}});
+  ASSERT_EQ(diagnostics.size(), 1U);
+  EXPECT_EQ(format_diagnostic(diagnostics.sorted()[0]),
+            "f.yaml:1:1: camera has no parameter 'mount': give it to the tripod");
+}
+
 TEST(Options, ThatMustFitTogetherAreReportedAtTheirMap) {
   EXPECT_EQ(messages("title: x\nrows: 129\n"), (Messages{"f.yaml:1:1: rows must be even"}));
 }
@@ -203,8 +213,9 @@ template <typename T>
 struct Mounting {
   T x, heading, gain;
   static constexpr std::string_view name = "test_mounting";
-  static constexpr auto fields = Fields{
-      {"mount.x", "m", "forward"}, {"mount.heading", "rad", "", 0.0, true}, {"gain", "1", "", 2.0}};
+  static constexpr auto fields = Fields{{"mount.x", "m", "forward"},
+                                        {"mount.heading", "rad", "", 0.0, Geometry::circular},
+                                        {"gain", "1", "", 2.0}};
 };
 
 TEST(Declarations, OfDottedQuantitiesAreGroups) {

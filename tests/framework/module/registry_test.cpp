@@ -5,6 +5,8 @@
 
 #include <functional>
 
+#include "framework/module/sample_rows.h"
+
 namespace ilss {
 namespace {
 
@@ -24,7 +26,30 @@ template <typename T>
 struct CircularMetres {
   T x;
   static constexpr std::string_view name = "registry_payload";
-  static constexpr auto fields = Fields{{"x", "m", "", required, true}};
+  static constexpr auto fields = Fields{{"x", "m", "", required, Geometry::circular}};
+};
+
+struct Beam {
+  double range = 0;
+  static constexpr auto columns = Columns{column(&Beam::range, "range", "m")};
+};
+struct FineBeam {
+  float range = 0;
+  static constexpr auto columns = Columns{column(&FineBeam::range, "range", "m")};
+};
+template <typename T>
+struct Scan {
+  T noise;
+  static constexpr std::string_view name = "registry_scan";
+  static constexpr auto fields = Fields{{"noise", "m"}};
+  static SamplesDescriptor samples() { return samples_of_rows<Beam>("beam"); }
+};
+template <typename T>
+struct FineScan {
+  T noise;
+  static constexpr std::string_view name = "registry_scan";
+  static constexpr auto fields = Fields{{"noise", "m"}};
+  static SamplesDescriptor samples() { return samples_of_rows<FineBeam>("beam"); }
 };
 
 template <template <typename> class Payload>
@@ -42,6 +67,12 @@ struct OtherRadians : Identity<Radians> {
 };
 struct OtherCircular : Identity<CircularMetres> {
   static constexpr std::string_view name = "other";
+};
+struct OfScans : Identity<Scan> {
+  static constexpr std::string_view name = "of_scans";
+};
+struct OfFineScans : Identity<FineScan> {
+  static constexpr std::string_view name = "of_fine_scans";
 };
 struct OtherMetres : Identity<Metres> {
   static constexpr std::string_view name = "other";
@@ -103,6 +134,14 @@ TEST(Registry, FindsWhatWasAdded) {
   EXPECT_EQ(registry.find_payload("nothing"), nullptr);
 }
 
+TEST(Registry, RefusesAPayloadWithOtherColumns) {
+  Registry registry;
+  registry.add<OfScans>();
+  EXPECT_EQ(refusal(registry, [](Registry& r) { r.add<OfFineScans>(); }),
+            "payload 'registry_scan' is declared twice, with different components, labels, samples "
+            "or elements");
+}
+
 TEST(Registry, RefusesANameThatIsTaken) {
   Registry registry;
   registry.add<Identity<Metres>>();
@@ -114,7 +153,8 @@ TEST(Registry, RefusesAPayloadOfOtherComponentsUnderAKnownName) {
   Registry registry;
   registry.add<Identity<Metres>>();
   const std::string message =
-      "payload 'registry_payload' is declared twice, with different components or labels";
+      "payload 'registry_payload' is declared twice, with different components, labels, samples "
+      "or elements";
   EXPECT_EQ(refusal(registry, [](Registry& r) { r.add<OtherRadians>(); }), message);
   EXPECT_EQ(refusal(registry, [](Registry& r) { r.add<OtherCircular>(); }), message);
   EXPECT_EQ(registry.find("other"), nullptr);

@@ -83,11 +83,11 @@ TEST(MatchElements, NothingMatchesWhatIsNotANumber) {
 
 TEST(ElementRule, ConcernsElementsOfItsPayloadWithTheWantedLabels) {
   ElementRule rule = element_rule(descriptor<Spot>());
-  EXPECT_TRUE(rule.concerns(spot(0, 0, 0)));
-  EXPECT_FALSE(rule.concerns(piece(0, 9)));
+  EXPECT_TRUE(rule.applies_to(spot(0, 0, 0)));
+  EXPECT_FALSE(rule.applies_to(piece(0, 9)));
   rule.only = {{0, 1}};
-  EXPECT_FALSE(rule.concerns(spot(0, 0, 0)));
-  EXPECT_TRUE(rule.concerns(spot(0, 0, 1)));
+  EXPECT_FALSE(rule.applies_to(spot(0, 0, 0)));
+  EXPECT_TRUE(rule.applies_to(spot(0, 0, 1)));
 }
 
 }  // namespace

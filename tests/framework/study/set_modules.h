@@ -1,7 +1,7 @@
 // A sensor of hand-made sets, for studies of sets in tests of the framework.
 #pragma once
 
-#include "framework/estimate/distribution.h"
+#include "framework/estimate/random.h"
 #include "framework/module/registry.h"
 
 namespace ilss::test {
@@ -12,7 +12,7 @@ struct Piece {
   T position, slope, first_reading, last_reading;
   static constexpr std::string_view name = "piece";
   static constexpr auto fields = Fields{{"position", "m"},
-                                        {"slope", "rad", "", required, true},
+                                        {"slope", "rad", "", required, Geometry::circular},
                                         {"first_reading", "1"},
                                         {"last_reading", "1"}};
 };

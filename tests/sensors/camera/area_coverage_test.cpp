@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <random>
 
 #include "framework/estimate/random.h"
 
@@ -42,14 +41,13 @@ TEST(AreaCoverage, SumsToThePolygonsAreaWhateverItsOrientation) {
   const std::uint64_t seed = 11;
   SCOPED_TRACE("seed " + std::to_string(seed));
   RandomBits bits(seed);
-  std::uniform_real_distribution<double> uniform(0, 1);
   for (int trial = 0; trial < 1000; ++trial) {
     // A star around the image's middle: its corners in order of direction.
     std::vector<Point> polygon;
     double area = 0;
     for (int i = 0; i < 7; ++i) {
-      const double direction = 2 * std::numbers::pi * (i + uniform(bits)) / 7;
-      const double radius = 1 + 6 * uniform(bits);
+      const double direction = 2 * std::numbers::pi * (i + draw_unit(bits)) / 7;
+      const double radius = 1 + 6 * draw_unit(bits);
       polygon.push_back({8 + radius * std::cos(direction), 7.5 + radius * std::sin(direction)});
     }
     for (std::size_t i = 0; i < polygon.size(); ++i) {

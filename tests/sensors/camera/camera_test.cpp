@@ -53,14 +53,13 @@ TEST_F(CameraFiles, FolderIsReadInOrderOfNameAndThenEnds) {
     Output image;
     ASSERT_TRUE(run(camera, rig.parameters, nullptr, 1, image));
     EXPECT_EQ(image.samples.shape, (std::vector<std::size_t>{6, 8}));
-    EXPECT_EQ(image.samples.levels,
-              std::vector<std::uint8_t>(48, static_cast<std::uint8_t>(level)));
+    EXPECT_EQ(image.samples.bytes, std::vector(48, static_cast<std::byte>(level)));
   }
   EXPECT_EQ(fault_of(camera), FaultKind::end_of_data);
   camera.reset();
   Output image;
   ASSERT_TRUE(run(camera, rig.parameters, nullptr, 1, image));
-  EXPECT_EQ(image.samples.levels.front(), 10);
+  EXPECT_EQ(levels_of(image).front(), 10);
 }
 
 TEST_F(CameraFiles, MissingFileIsALostDevice) {
@@ -103,8 +102,8 @@ TEST(Camera, SameSeedGivesTheSameImageAndAnotherAnother) {
   ASSERT_TRUE(run(camera, rig.parameters, nullptr, 5, first));
   ASSERT_TRUE(run(camera, rig.parameters, nullptr, 6, other));
   ASSERT_TRUE(run(camera, rig.parameters, nullptr, 5, again));
-  EXPECT_EQ(first.samples.levels, again.samples.levels);
-  EXPECT_NE(first.samples.levels, other.samples.levels);
+  EXPECT_EQ(first.samples.bytes, again.samples.bytes);
+  EXPECT_NE(first.samples.bytes, other.samples.bytes);
 }
 
 TEST(Camera, MovesWithTheRobotAndItsMount) {
@@ -118,7 +117,7 @@ TEST(Camera, MovesWithTheRobotAndItsMount) {
   Camera first(straight.options), second(turned.options);
   ASSERT_TRUE(run(first, straight.parameters, nullptr, 1, from_straight));
   ASSERT_TRUE(run(second, turned.parameters, nullptr, 1, from_turned));
-  EXPECT_EQ(from_straight.samples.levels, from_turned.samples.levels);
+  EXPECT_EQ(from_straight.samples.bytes, from_turned.samples.bytes);
 }
 
 TEST(Camera, IntrinsicsErrorsGoWithTheImageAndTheRobotsPlaceDoesNot) {
@@ -146,7 +145,7 @@ TEST(Camera, NoiseHasTheDeclaredSpread) {
   Output image;
   ASSERT_TRUE(run(camera, rig.parameters, nullptr, 8, image));
   double squares = 0;
-  for (const std::uint8_t level : image.samples.levels) squares += std::pow(level - 204.0, 2);
+  for (const std::uint8_t level : levels_of(image)) squares += std::pow(level - 204.0, 2);
   EXPECT_NEAR(squares / (128 * 128), 9 + 1.0 / 12, 0.4);
 }
 

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <opencv2/calib3d.hpp>
-#include <random>
 #include <string>
 
 #include "framework/estimate/random.h"
@@ -30,7 +29,7 @@ const std::vector<double> opencv_coefficients = {-0.28, 0.07, 1e-3, -2e-3, 0.004
 
 std::vector<ImagePoint<double>> random_pixels(std::uint64_t seed) {
   RandomBits bits(seed);
-  std::uniform_real_distribution<double> uniform(0, 127);
+  const auto uniform = [](RandomBits& random) { return draw_uniform(random, 0, 127); };
   std::vector<ImagePoint<double>> result;
   for (int i = 0; i < 500; ++i) result.push_back({uniform(bits), uniform(bits)});
   return result;

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
-
 #include "framework/estimate/consistency.h"
 #include "tests/sensors/camera/camera_rig.h"
 
@@ -25,11 +23,10 @@ Output row_reading(double row, double std) {
 
 RangeCalibration::Options noisy_pairs(std::size_t count, double row_std, std::uint64_t seed) {
   RandomBits bits(seed);
-  std::normal_distribution<double> noise(0, row_std);
   RangeCalibration::Options options;
   for (std::size_t i = 0; i < count; ++i) {
     const double range = 0.6 + 1.2 * static_cast<double>(i) / static_cast<double>(count - 1);
-    options.pairs.push_back({range, row_at(range) + noise(bits)});
+    options.pairs.push_back({range, row_at(range) + row_std * draw_normal(bits)});
   }
   return options;
 }
@@ -51,7 +48,7 @@ TEST(RangeCalibration, StatedErrorIsConsistentOverRedrawnCalibrations) {
     options.row_std = row_std;
     RangeCalibration calibration(options);
     RandomBits bits(derive_seed(42, run_number));
-    const double row = row_at(range) + std::normal_distribution<double>(0, row_std)(bits);
+    const double row = row_at(range) + row_std * draw_normal(bits);
     const Output reading = row_reading(row, row_std);
     Output output;
     output.estimate = Estimate(descriptor<WallRange>());

@@ -285,13 +285,12 @@ TEST(TargetPoints, WallWithoutTargetIsNoDetection) {
 
 /// What target_points makes of arbitrary levels: a fault's kind, or nothing for finite rows.
 std::optional<FaultKind> outcome_of(std::size_t rows, std::size_t columns,
-                                    std::vector<std::uint8_t> levels) {
+                                    const std::vector<std::uint8_t>& levels) {
   CameraRig rig;
   Output image;
   image.estimate = Estimate(descriptor<Image>(), "camera");
   image.estimate.value.assign(rig.parameters.value.begin(), rig.parameters.value.begin() + 10);
-  image.samples.shape = {rows, columns};
-  image.samples.levels = std::move(levels);
+  std::copy(levels.begin(), levels.end(), make_levels(image.samples, rows, columns).begin());
   TargetPoints points({});
   Output output;
   output.estimate = Estimate(descriptor<TargetRows>(), "camera");

@@ -41,13 +41,11 @@ inline std::vector<const Estimate*> segments_of(const Output& features) {
 /// The normalised error of some components of an estimate, one after another from `first`.
 inline NormalizedError error_of(const Estimate& estimate, std::size_t first,
                                 const std::vector<double>& truth) {
-  Eigen::VectorXd error(static_cast<Eigen::Index>(truth.size()));
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    const double difference = estimate.value[first + i] - truth[i];
-    error[static_cast<Eigen::Index>(i)] =
-        estimate.type->components[first + i].circular ? wrap_angle(difference) : difference;
-  }
+  std::vector<double> all = estimate.value;
+  std::copy(truth.begin(), truth.end(), all.begin() + static_cast<std::ptrdiff_t>(first));
   const auto at = static_cast<Eigen::Index>(first);
+  const Eigen::VectorXd error =
+      difference(estimate, all).segment(at, static_cast<Eigen::Index>(truth.size()));
   return normalized_squared_error(
       error, estimate.lineage.covariance().block(at, at, error.size(), error.size()));
 }
@@ -85,8 +83,6 @@ inline bool all_finite(const Output& output) {
   };
   for (const Estimate& element : output.elements)
     if (!finite(element)) return false;
-  for (const double v : output.samples.values)
-    if (!std::isfinite(v)) return false;
   return finite(output.estimate);
 }
 

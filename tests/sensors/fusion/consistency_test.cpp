@@ -24,7 +24,7 @@ TEST(Consistency, OfTwoScalarsIsTheirSquaredDistanceInStandardDeviations) {
 }
 
 TEST(Consistency, OfTwoEstimatesIsTheirNormalisedInnovationSquared) {
-  std::mt19937_64 random(1);
+  RandomBits random(1);
   Errors errors(1);
   std::vector<Output> inputs;
   for (std::uint32_t i = 0; i < 2; ++i) {
@@ -41,7 +41,7 @@ TEST(Consistency, OfTwoEstimatesIsTheirNormalisedInnovationSquared) {
 TEST(Consistency, ProbabilityIsUniformWhereInputsAreHonest) {
   const std::uint64_t seed = 2;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937_64 random(seed);
+  RandomBits random(seed);
   constexpr int runs = 4000;
   constexpr int bins = 10;
   std::array<int, bins> counts{};

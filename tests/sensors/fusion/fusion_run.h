@@ -5,7 +5,6 @@
 
 #include <Eigen/Dense>
 #include <map>
-#include <random>
 
 #include "framework/estimate/consistency.h"
 #include "tests/sensors/module_run.h"
@@ -18,7 +17,7 @@ struct Pose {
   T x, z, heading;
   static constexpr std::string_view name = "pose";
   static constexpr auto fields =
-      Fields{{"x", "m"}, {"z", "m"}, {"heading", "rad", "", required, true}};
+      Fields{{"x", "m"}, {"z", "m"}, {"heading", "rad", "", required, Geometry::circular}};
 };
 
 template <typename T>
@@ -34,15 +33,14 @@ class Errors {
   explicit Errors(std::uint64_t seed) : random_(seed) {}
   double of(const Source& source) {
     const auto [place, fresh] = errors_.try_emplace(source, 0.0);
-    if (fresh) place->second = normal_(random_);
+    if (fresh) place->second = draw_normal(random_);
     return place->second;
   }
   /// Moves one source by an amount that is added to its error, drawn or 0.
   void move(const Source& source, double amount) { errors_[source] += amount; }
 
  private:
-  std::mt19937_64 random_;
-  std::normal_distribution<double> normal_;
+  RandomBits random_;
   std::map<Source, double> errors_;
 };
 
@@ -51,16 +49,13 @@ inline Output drawn(const PayloadDescriptor& payload, const std::vector<double>&
                     const Lineage& lineage, Errors& errors) {
   Output output;
   output.estimate = Estimate(payload);
-  output.estimate.value = truth;
   output.estimate.lineage = lineage;
+  std::vector<double> made(truth.size(), 0.0);
   for (std::size_t k = 0; k < lineage.size(); ++k) {
     const double error = errors.of(lineage.sources()[k]);
-    for (std::size_t c = 0; c < truth.size(); ++c)
-      output.estimate.value[c] += error * lineage.column(k)[c];
+    for (std::size_t c = 0; c < truth.size(); ++c) made[c] += error * lineage.column(k)[c];
   }
-  for (std::size_t c = 0; c < truth.size(); ++c)
-    if (payload.components[c].circular)
-      output.estimate.value[c] = wrap_angle(output.estimate.value[c]);
+  output.estimate.value = retract(payload, truth, made);
   return output;
 }
 
@@ -80,8 +75,8 @@ inline Lineage lineage_of(std::uint32_t owner, const Eigen::MatrixXd& factor) {
 }
 
 /// A lower triangular factor with entries drawn from [-1, 1], its diagonal from [0.5, 1].
-inline Eigen::MatrixXd random_factor(Eigen::Index m, std::mt19937_64& random) {
-  std::uniform_real_distribution<double> entry(-1, 1);
+inline Eigen::MatrixXd random_factor(Eigen::Index m, RandomBits& random) {
+  const auto entry = [](RandomBits& bits) { return draw_uniform(bits, -1, 1); };
   Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(m, m);
   for (Eigen::Index i = 0; i < m; ++i)
     for (Eigen::Index j = 0; j <= i; ++j)

@@ -110,16 +110,5 @@ TEST(LepGeometry, AgreesWithAConstructionByRays) {
     });
 }
 
-TEST(LepGeometry, GivesTheSlopeOfInverseRangeByPosition) {
-  const LepGeometry<double> g;
-  for_the_whole_field([&](double theta, double z) {
-    const LepRay<double> ray(g, theta);
-    const double p = ray.image_position(std::cos(theta) / z);
-    constexpr double step = 1e-7;
-    const double slope = (ray.inverse_range(p + step) - ray.inverse_range(p - step)) / (2 * step);
-    EXPECT_NEAR(ray.inverse_range_by_position(p) / slope, 1, 1e-7);
-  });
-}
-
 }  // namespace
 }  // namespace ilss

@@ -129,13 +129,13 @@ TEST(LepSensor, RefusesWhatItsDriveCannotDo) {
 
 TEST(LepSensor, IsBackAtItsStartAfterAReset) {
   RunningSensor run{LepRig(all_around())};
-  const std::vector<double> before = (run.next(), run.output.samples.values);
+  const std::vector<std::byte> before = (run.next(), run.output.samples.bytes);
   ASSERT_TRUE(run.command("rotate_to", 36 * degree, 0.1));
   run.next();
   run.sensor.reset();
   run.tick = 0;
   run.next();
-  EXPECT_EQ(run.output.samples.values, before);
+  EXPECT_EQ(run.output.samples.bytes, before);
 }
 
 TEST(LepSensor, LeavesOutSaturatedReadings) {
@@ -263,8 +263,43 @@ TEST(LepSensor, BandwidthHardlyShiftsSteadyImages) {
 
 TEST(LepSensor, GivesTheSameScanForTheSameSeed) {
   LepRig rig(edge_scene(1, 120 * degree));
-  EXPECT_EQ(rig.images(3).samples.values, rig.images(3).samples.values);
-  EXPECT_NE(rig.images(3).samples.values, rig.images(4).samples.values);
+  EXPECT_EQ(rig.images(3).samples.bytes, rig.images(3).samples.bytes);
+  EXPECT_NE(rig.images(3).samples.bytes, rig.images(4).samples.bytes);
+}
+
+TEST(LepSensor, DoesNotDependOnWhichTickIsAskedFirst) {
+  for (const std::int64_t readings : {256, 100, 1}) {
+    LepRig rig(edge_scene(1, 120 * degree));
+    rig.options.bandwidth = 300;
+    rig.options.readings = readings;
+    rig.options.turn_rate = 0.3;
+    RunningSensor in_order{rig};
+    std::vector<std::vector<double>> ticks;
+    for (int tick = 0; tick < 9; ++tick) {
+      in_order.next();
+      ticks.push_back(in_order.output.samples.values);
+    }
+    RunningSensor other{rig};
+    for (const std::int64_t tick : {7, 3, 8, 3, 0}) {
+      other.tick = tick;
+      other.next();
+      EXPECT_EQ(other.output.samples.values, ticks[static_cast<std::size_t>(tick)])
+          << "tick " << tick << " of " << readings << " readings";
+    }
+  }
+}
+
+TEST(LepSensor, NoiseGoesOnFromTickToTick) {
+  // Of single readings as of those of one scan.
+  LepRig rig(edge_scene(1.2, 120 * degree));
+  rig.options.bandwidth = 1000;
+  rig.options.readings = 1;
+  double sum = 0;
+  constexpr int count = 20000;
+  const auto noise = noise_of_scans(rig, count, 63);
+  for (int i = 1; i < count; ++i)
+    sum += noise[static_cast<std::size_t>(i)].at(0) * noise[static_cast<std::size_t>(i) - 1].at(0);
+  EXPECT_NEAR(sum / count, std::exp(-0.8 * std::numbers::pi), 2.6 / std::sqrt(count));
 }
 
 TEST(LepSensor, SingleReadingsAreThoseOfAScan) {

@@ -3,7 +3,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "framework/estimate/distribution.h"
+#include "framework/estimate/random.h"
 #include "sensors/features/wall_from_segments.h"
 #include "tests/sensors/features/feature_run.h"
 

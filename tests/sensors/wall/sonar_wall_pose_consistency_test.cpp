@@ -3,7 +3,6 @@
 
 #include <array>
 #include <numbers>
-#include <random>
 
 #include "framework/estimate/consistency.h"
 #include "sensors/sonar/sonar.h"
@@ -75,11 +74,10 @@ class Chain {
   std::optional<NormalizedError> run(std::uint64_t seed, std::string_view contact,
                                      int& other_contacts) {
     RandomBits random(derive_seed(seed, "mounts"));
-    std::normal_distribution<double> normal;
     std::array<Output, 2> readings;
     for (const std::size_t side : {0u, 1u}) {
       Estimate actual = believed_[side];
-      for (std::size_t i = 0; i < 4; ++i) actual.value[i] += std_of(i) * normal(random);
+      for (std::size_t i = 0; i < 4; ++i) actual.value[i] += std_of(i) * draw_normal(random);
       actual.lineage.reset(actual.value.size());
       const auto measured = measure(actual, derive_seed(seed, side));
       if (!measured) return std::nullopt;

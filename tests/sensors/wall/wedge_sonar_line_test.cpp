@@ -8,6 +8,7 @@
 #include <random>
 
 #include "tests/sensors/module_run.h"
+#include "tests/sensors/wall/sonar_contact.h"
 
 namespace ilss {
 namespace {

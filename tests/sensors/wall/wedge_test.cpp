@@ -10,6 +10,7 @@
 
 #include "framework/estimate/angle.h"
 #include "sensors/scene/beam.h"
+#include "tests/sensors/wall/sonar_contact.h"
 
 namespace ilss {
 namespace {

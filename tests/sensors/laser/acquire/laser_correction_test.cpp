@@ -132,6 +132,22 @@ TEST(LaserCorrection, WhatTheCalibrationSaysTooMuchIsMissing) {
   EXPECT_DOUBLE_EQ(out.lineage.column(1)[first_bias + 1], -0.005);
 }
 
+TEST(LaserCorrection, LeavesTheMountAsItIs) {
+  Output scan = scan_of({{0, 2}});
+  const std::array mount{0.2, -0.1, 0.3};
+  std::ranges::copy(mount, scan.estimate.value.begin() + first_mount);
+  for (std::uint32_t k = 0; k < mount_size; ++k)
+    scan.estimate.lineage.add({8, k, persistent_tick}, first_mount + k, 0.01);
+  const Tick tick{.parameters = Estimate(descriptor<LaserCorrection::Parameters>()),
+                  .inputs = {&scan}};
+  LaserCorrection correction;
+  const ModuleRun result = run(correction, tick);
+  ASSERT_TRUE(result.outcome);
+  const Estimate& out = result.output.estimate;
+  EXPECT_TRUE(std::ranges::equal(mount, std::span(out.value).subspan(first_mount)));
+  EXPECT_EQ(out.lineage.factor(), scan.estimate.lineage.factor());
+}
+
 TEST(LaserCorrection, NeedsARangeToReferTo) {
   const Output scan = scan_of({{0, 2}});
   Tick tick{.parameters = Estimate(descriptor<LaserCorrection::Parameters>()), .inputs = {&scan}};

@@ -39,7 +39,7 @@ class SegmentedLog {
     clusters_ = {};
     segments_ = {};
     clusters_.estimate = segments_.estimate = Estimate(descriptor<SegmentedScan>(), "laser");
-    Tick tick{.tick = ++scans_};
+    Tick tick{.parameters = Estimate(descriptor<LaserLog::Parameters>()), .tick = ++scans_};
     scan_.estimate = Estimate(descriptor<LaserScan>(), "laser");
     const auto outcome = log_.evaluate(tick.evaluation(), scan_);
     if (!outcome) {
@@ -174,7 +174,7 @@ std::vector<std::pair<int, int>> wheel_ticks(const std::filesystem::path& path) 
 
 std::vector<Estimate> lines_of(const Output& segments) {
   LaserFeatures features({});
-  Tick tick{.parameters = Estimate(descriptor<LaserFeatures::Parameters>()), .inputs = {&segments}};
+  Tick tick{.inputs = {&segments}};
   Output output;
   output.estimate = Estimate(descriptor<RangeFeatures>(), "robot");
   std::vector<Estimate> lines;

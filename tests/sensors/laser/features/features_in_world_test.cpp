@@ -91,7 +91,6 @@ TEST(FeaturesInWorld, AreHonestUnderAPoseOfKnownError) {
     const Output scan = scan_from(pose, world, {}, draw);
     LaserFeatures extractor({});
     Tick tick;
-    tick.parameters = output_of<LaserFeatures::Parameters>({0, 0, 0}).estimate;
     tick.inputs = {&scan};
     const ModuleRun seen = run(extractor, tick);
     ASSERT_TRUE(seen.outcome) << seen.outcome.fault().message;
