@@ -93,9 +93,9 @@ bool Run::step() {
   if (ends_with(FaultKind::end_of_data, RunEnd::end_of_data)) return false;
   ++ticks_;
   if (wants_verdicts()) {
-    verdicts_ = judge(system());
+    if (!judge_) judge_.emplace(system());
     ++judged_ticks_;
-    view_.emplace(system(), TickView::Beside{beside.counts, beside.compute_time, &verdicts_,
+    view_.emplace(system(), TickView::Beside{beside.counts, beside.compute_time, &judge_->judge(),
                                              beside.commands});
   }
   for (Observer* observer : observers_) observer->observe(*view_);

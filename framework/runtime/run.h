@@ -107,7 +107,6 @@ class Run {
   std::optional<Time> next_time_of_data();
   void start_at(Time time);
   bool wants_verdicts() const;
-  void judge_outputs();
   bool ends_with(FaultKind kind, RunEnd reason);
   bool is_interrupted() const {
     return options_.interrupted != nullptr && options_.interrupted->load(std::memory_order_relaxed);
@@ -120,7 +119,7 @@ class Run {
   std::vector<Observer*> observers_;
   std::optional<Ending> ending_;
   std::optional<TickView> view_;
-  std::vector<VerdictReport> verdicts_;
+  std::optional<Judge> judge_;  ///< made when it is needed
   std::int64_t ticks_ = 0;
   std::int64_t judged_ticks_ = 0;
   std::int64_t missed_periods_ = 0;
