@@ -15,12 +15,12 @@
 #include <limits>
 
 #include "framework/estimate/units.h"
+#include "framework/report/picture_svg.h"
 #include "framework/report/run_summary.h"
 #include "framework/report/tick_json.h"
 #include "framework/report/tick_text.h"
 #include "src/feature_file.h"
-#include "src/picture.h"
-#include "src/picture_svg.h"
+#include "src/picture_scene.h"
 #include "src/session.h"
 
 namespace ilss {
@@ -93,7 +93,9 @@ class PictureTaker final : public Observer {
  public:
   explicit PictureTaker(const System& system) : system_(system) {}
   void observe(const TickView& tick) override {
-    if (auto drawn = picture_of(system_, seconds(tick.time()))) picture_ = std::move(drawn);
+    auto drawn = picture_of(
+        tick, [&](std::size_t node) { return scene_behind(system_, node, seconds(tick.time())); });
+    if (drawn) picture_ = std::move(drawn);
   }
   const std::optional<Picture>& picture() const { return picture_; }
 
