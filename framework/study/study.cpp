@@ -283,7 +283,7 @@ void StudyReader::read_rows(const Node& node, Side& side) {
     }
   }
   for (Outcome<Estimate>& row : side.rows)
-    if (row) normalize(*study_.payload, row->value);
+    if (row) normalize(*study_.payload, (*row).value);
 }
 
 std::optional<std::size_t> StudyReader::read_column(const Node& node, const Component& component,

@@ -77,8 +77,9 @@ class LaserSceneFeatures::Writer {
 
   template <template <typename> class Payload>
   void write(const Payload<double>& feature) {
-    Estimate& element =
-        output_.elements.emplace_back(descriptor<Payload>(), output_.estimate.frame);
+    Estimate& element = output_.elements.emplace_back();
+    element.type = &descriptor<Payload>();
+    element.frame = output_.estimate.frame;
     assign<Payload>(element, feature);
   }
 
