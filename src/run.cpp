@@ -68,7 +68,7 @@ void end_run_at_interrupt() {
 class TickPrinter final : public Observer {
  public:
   explicit TickPrinter(bool as_json) : as_json_(as_json) {}
-  bool wants_verdicts(const TickView&) override { return true; }
+  OutputRange wants_verdicts(const TickView& tick) override { return {0, tick.outputs()}; }
   void observe(const TickView& tick) override {
     fmt::print("{}", as_json_ ? json_text(tick_json(tick), true) + "\n" : tick_text(tick));
   }
@@ -81,7 +81,9 @@ class TickPrinter final : public Observer {
 class FeatureWriter final : public Observer {
  public:
   explicit FeatureWriter(FeatureFile& file) : file_(file) {}
-  bool wants_verdicts(const TickView&) override { return file_.has_verdicts(); }
+  OutputRange wants_verdicts(const TickView& tick) override {
+    return {0, file_.has_verdicts() ? tick.outputs() : 0};
+  }
   void observe(const TickView& tick) override { file_.add(tick); }
 
  private:
