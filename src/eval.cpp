@@ -142,7 +142,7 @@ void print_result(const Arguments& arguments, const Plan& plan, const System& sy
   if (arguments.json) {
     Json json = {{"module", arguments.type}, {"outcome", outcome_name(state.outcome)}};
     if (state.outcome.is_fault()) json["fault"] = fault_json(state.outcome.fault(), arguments.type);
-    json["output"] = outputs_json(TickView(system, {.verdicts = &verdicts}));
+    json["output"] = outputs_json(TickView(system, {.verdicts = verdicts}));
     fmt::print("{}\n", json_text(json));
   } else if (state.outcome.has_output()) {
     const Estimate& estimate = state.output().estimate;

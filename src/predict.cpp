@@ -140,7 +140,7 @@ void print_text(const Arguments& arguments, const Prediction& prediction) {
 /// The outputs with what Monte Carlo found of each.
 Json outputs_with_trials(const Prediction& prediction) {
   const Plan& plan = prediction.system.plan();
-  Json json = outputs_json(TickView(prediction.system, {.verdicts = &prediction.verdicts}));
+  Json json = outputs_json(TickView(prediction.system, {.verdicts = prediction.verdicts}));
   for (std::size_t o = 0; o < prediction.monte_carlo.size(); ++o) {
     Json& one = plan.outputs.size() == 1 ? json : json["outputs"][o];
     if (!one.is_null()) one["monte_carlo"] = monte_carlo_json(prediction.monte_carlo[o]);

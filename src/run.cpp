@@ -15,12 +15,12 @@
 #include <limits>
 
 #include "framework/estimate/units.h"
+#include "framework/report/picture_svg.h"
 #include "framework/report/run_summary.h"
 #include "framework/report/tick_json.h"
 #include "framework/report/tick_text.h"
 #include "src/feature_file.h"
-#include "src/picture.h"
-#include "src/picture_svg.h"
+#include "src/picture_scene.h"
 #include "src/session.h"
 
 namespace ilss {
@@ -31,6 +31,7 @@ static_assert(std::atomic<bool>::is_always_lock_free);  // set by a signal's han
 
 /// Where no --ticks is given, a run without end stops here.
 constexpr std::int64_t default_ticks = 1000;
+constexpr const char* default_period = "100 ms";
 constexpr double longest_period = 1e6;  // s
 constexpr unsigned most_threads = 1024;
 constexpr double least_picture_scale = 1e-3;
@@ -42,7 +43,7 @@ struct Arguments {
   std::vector<std::string> commands;
   std::optional<std::int64_t> ticks = {};
   std::string time = "period";
-  std::string period = "100 ms";
+  std::string period;  ///< empty: the default
   std::uint64_t seed = 1;
   unsigned threads = 1;
   std::string verdict;
@@ -67,7 +68,7 @@ void end_run_at_interrupt() {
 class TickPrinter final : public Observer {
  public:
   explicit TickPrinter(bool as_json) : as_json_(as_json) {}
-  bool wants_verdicts(const TickView&) override { return true; }
+  OutputRange wants_verdicts(const TickView& tick) override { return {0, tick.outputs()}; }
   void observe(const TickView& tick) override {
     fmt::print("{}", as_json_ ? json_text(tick_json(tick), true) + "\n" : tick_text(tick));
   }
@@ -80,7 +81,9 @@ class TickPrinter final : public Observer {
 class FeatureWriter final : public Observer {
  public:
   explicit FeatureWriter(FeatureFile& file) : file_(file) {}
-  bool wants_verdicts(const TickView&) override { return file_.has_verdicts(); }
+  OutputRange wants_verdicts(const TickView& tick) override {
+    return {0, file_.has_verdicts() ? tick.outputs() : 0};
+  }
   void observe(const TickView& tick) override { file_.add(tick); }
 
  private:
@@ -92,7 +95,9 @@ class PictureTaker final : public Observer {
  public:
   explicit PictureTaker(const System& system) : system_(system) {}
   void observe(const TickView& tick) override {
-    if (auto drawn = picture_of(system_, seconds(tick.time()))) picture_ = std::move(drawn);
+    auto drawn = picture_of(
+        tick, [&](std::size_t node) { return scene_behind(system_, node, seconds(tick.time())); });
+    if (drawn) picture_ = std::move(drawn);
   }
   const std::optional<Picture>& picture() const { return picture_; }
 
@@ -127,8 +132,11 @@ void report_notes(const System& system) {
       fmt::print(stderr, "ilss: '{}': {}\n", system.plan().nodes[i].name, note);
 }
 
-Duration read_period(const std::string& text) {
-  const auto period = parse_quantity(text, "s");
+Duration read_period(const Arguments& arguments) {
+  if (arguments.time == "log" && !arguments.period.empty())
+    fail(exit_bad_input, "--period: with --time log the data say when the ticks are");
+  const auto period =
+      parse_quantity(arguments.period.empty() ? default_period : arguments.period, "s");
   if (const auto* error = std::get_if<std::string>(&period))
     fail(exit_bad_input, "--period: " + *error);
   const Duration duration = duration_of(std::get<double>(period));
@@ -233,7 +241,7 @@ void report_end(const Run& run, const Arguments& arguments) {
 
 RunOptions read_options(const Arguments& arguments, const Plan& plan) {
   return {.pacing = read_pacing(arguments.time),
-          .period = read_period(arguments.period),
+          .period = read_period(arguments),
           .most_ticks = arguments.ticks.value_or(default_ticks),
           .seed = arguments.seed,
           .threads = arguments.threads,
@@ -297,8 +305,7 @@ void add_run(Verb command, Session& session) {
       .one_of({"period", "real", "log"})
       .show_default();
   verb.add_option("--period", arguments->period,
-                  "Time from tick to tick, but where they come from a log")
-      .show_default();
+                  fmt::format("Time from tick to tick (default {})", default_period));
   verb.add_option("--seed", arguments->seed, "Seed of all random numbers")
       .check(whole_number(std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max()))
       .show_default();

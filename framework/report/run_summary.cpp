@@ -18,9 +18,14 @@ std::string ticks_text(const Run& run) {
   std::string text = fmt::format("{} tick{}", run.ticks(), run.ticks() == 1 ? "" : "s");
   if (run.ending() && run.ending()->reason == RunEnd::end_of_data)
     text += ", to the end of the data";
-  if (run.judged_ticks() < run.ticks())
-    text += run.judged_ticks() == 0 ? "; no verdicts"
-                                    : fmt::format("; verdicts on {} of them", run.judged_ticks());
+  if (run.judged_ticks() == 0)
+    text += "; no verdicts";
+  else if (run.verdicts() <
+           run.judged_ticks() * static_cast<std::int64_t>(run.plan().outputs.size()))
+    text += fmt::format("; {} verdict{}, on {} of them", run.verdicts(),
+                        run.verdicts() == 1 ? "" : "s", run.judged_ticks());
+  else if (run.judged_ticks() < run.ticks())
+    text += fmt::format("; verdicts on {} of them", run.judged_ticks());
   if (run.missed_periods() != 0)
     text += fmt::format("; {} period{} missed", run.missed_periods(),
                         run.missed_periods() == 1 ? "" : "s");
@@ -115,8 +120,10 @@ std::string latencies_text(const Runner& runner, const Plan& plan) {
 RunSummary::RunSummary(const Plan& plan, bool samples_verdicts)
     : samples_verdicts_(samples_verdicts), outputs_(plan.outputs.size()), agreement_(plan) {}
 
-bool RunSummary::wants_verdicts(const TickView& tick) {
-  return samples_verdicts_ && std::has_single_bit(static_cast<std::uint64_t>(tick.tick() + 1));
+OutputRange RunSummary::wants_verdicts(const TickView& tick) {
+  if (!samples_verdicts_ || !std::has_single_bit(static_cast<std::uint64_t>(tick.tick() + 1)))
+    return {};
+  return {next_sampled_++ % outputs_.size(), 1};
 }
 
 void RunSummary::observe(const TickView& tick) {

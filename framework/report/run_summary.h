@@ -24,11 +24,12 @@ class RunSummary final : public Observer {
     SetSummary elements = {};          ///< of a set
   };
 
-  /// Where it `samples_verdicts`, it asks for them at the 1st, 2nd, 4th, 8th ... tick: ever rarer,
-  /// so that they do not decide what a long run costs.
+  /// Where it `samples_verdicts`, it asks for one at the 1st, 2nd, 4th, 8th ... tick, on one output
+  /// after another: ever rarer, and of wide systems no more than of narrow ones, so that verdicts
+  /// do not decide what a run costs.
   RunSummary(const Plan& plan, bool samples_verdicts);
 
-  bool wants_verdicts(const TickView& tick) override;
+  OutputRange wants_verdicts(const TickView& tick) override;
   void observe(const TickView& tick) override;
 
   const std::vector<OfOutput>& outputs() const { return outputs_; }
@@ -36,6 +37,7 @@ class RunSummary final : public Observer {
 
  private:
   bool samples_verdicts_;
+  std::size_t next_sampled_ = 0;  ///< output
   std::vector<OfOutput> outputs_;
   Agreement agreement_;
 };

@@ -27,9 +27,9 @@ CharacteristicOutput TickView::view(std::size_t node, const VerdictReport* verdi
 }
 
 const VerdictReport* TickView::verdict_on(std::size_t node) const {
-  if (!is_judged()) return nullptr;
-  for (std::size_t o = 0; o < outputs(); ++o)
-    if (plan().outputs[o] == node) return &(*beside_.verdicts)[o];
+  const auto [first, count] = judged();
+  for (std::size_t o = first; o < first + count; ++o)
+    if (plan().outputs[o] == node) return verdict_on_output(o);
   return nullptr;
 }
 

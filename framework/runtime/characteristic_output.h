@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string_view>
-#include <vector>
 
 #include "framework/graph/system.h"
 #include "framework/runtime/commander.h"
@@ -42,6 +41,14 @@ struct CharacteristicOutput {
   }
 };
 
+/// Some of a system's outputs, one after another.
+struct OutputRange {
+  std::size_t first = 0;
+  std::size_t count = 0;
+
+  bool operator==(const OutputRange&) const = default;
+};
+
 /// One tick of a system as observers see it; valid until the next one. Makes its views on the fly:
 /// nothing is copied or allocated.
 class TickView {
@@ -51,7 +58,8 @@ class TickView {
   struct Beside {
     std::span<const std::uint64_t> counts = {};
     Duration compute_time = {};
-    const std::vector<VerdictReport>* verdicts = nullptr;
+    std::span<const VerdictReport> verdicts = {};
+    std::size_t first_judged = 0;  ///< the output that the first verdict is on
     std::span<const GivenCommand> commands = {};
   };
 
@@ -69,13 +77,14 @@ class TickView {
   /// The same of the system's outputs, in the plan's order.
   std::size_t outputs() const { return plan().outputs.size(); }
   CharacteristicOutput output(std::size_t o) const {
-    return view(plan().outputs[o], is_judged() ? &(*beside_.verdicts)[o] : nullptr);
+    return view(plan().outputs[o], verdict_on_output(o));
   }
   /// The output that says what the whole system came to: the first with a fault, or else the last
   /// that is pending, or else the first.
   CharacteristicOutput deciding_output() const;
 
-  bool is_judged() const { return beside_.verdicts != nullptr; }
+  /// The outputs that there are verdicts on.
+  OutputRange judged() const { return {beside_.first_judged, beside_.verdicts.size()}; }
   /// The time of the whole tick, commands and verdicts apart.
   Duration compute_time() const { return beside_.compute_time; }
   /// The commands given before this tick, in order.
@@ -84,6 +93,10 @@ class TickView {
  private:
   CharacteristicOutput view(std::size_t node, const VerdictReport* verdict) const;
   const VerdictReport* verdict_on(std::size_t node) const;
+  const VerdictReport* verdict_on_output(std::size_t o) const {
+    const std::size_t i = o - beside_.first_judged;  // of an earlier one it wraps to a large one
+    return i < beside_.verdicts.size() ? &beside_.verdicts[i] : nullptr;
+  }
 
   const System* system_;
   Beside beside_ = {};
@@ -94,8 +107,8 @@ class Observer {
  public:
   virtual ~Observer() = default;
 
-  /// Whether the outputs of this tick, which has none yet, are to be judged.
-  virtual bool wants_verdicts(const TickView&) { return false; }
+  /// The outputs of this tick that are to be judged; none of them is yet.
+  virtual OutputRange wants_verdicts(const TickView&) { return {}; }
 
   virtual void observe(const TickView& tick) = 0;
 };

@@ -92,13 +92,9 @@ bool Run::step() {
   view_.emplace(system(), beside);
   if (ends_with(FaultKind::end_of_data, RunEnd::end_of_data)) return false;
   ++ticks_;
-  if (wants_verdicts()) {
-    if (!judge_) judge_.emplace(system());
-    const std::vector<VerdictReport>& verdicts = judge_->judge();
-    ++judged_ticks_;
-    view_.emplace(system(),
-                  TickView::Beside{beside.counts, beside.compute_time, &verdicts, beside.commands});
-  }
+  if (const OutputRange wanted = wanted_verdicts(); wanted.count != 0)
+    view_.emplace(system(), TickView::Beside{beside.counts, beside.compute_time, judge(wanted),
+                                             wanted.first, beside.commands});
   for (Observer* observer : observers_) observer->observe(*view_);
   ends_with(FaultKind::device_lost, RunEnd::device_lost);
   return true;
@@ -143,11 +139,35 @@ std::optional<Time> Run::next_time_of_data() {
   return next && first_ ? std::max(*next, system().time()) : next;
 }
 
-bool Run::wants_verdicts() const {
-  if (options_.judge_every)
-    return *options_.judge_every != 0 && (ticks_ - 1) % *options_.judge_every == 0;
-  return std::any_of(observers_.begin(), observers_.end(),
-                     [&](Observer* observer) { return observer->wants_verdicts(*view_); });
+/// The outputs that are to be judged in this tick, and those between them.
+OutputRange Run::wanted_verdicts() const {
+  const std::size_t outputs = plan_.outputs.size();
+  if (options_.judge_every) {
+    const std::int64_t every = *options_.judge_every;
+    return {0, every != 0 && (ticks_ - 1) % every == 0 ? outputs : 0};
+  }
+  std::size_t first = outputs;
+  std::size_t end = 0;
+  for (Observer* observer : observers_) {
+    const OutputRange wanted = observer->wants_verdicts(*view_);
+    if (wanted.count == 0) continue;
+    first = std::min(first, wanted.first);
+    end = std::max(end, wanted.first + wanted.count);
+  }
+  return first < end ? OutputRange{first, end - first} : OutputRange{};
+}
+
+std::span<const VerdictReport> Run::judge(OutputRange outputs) {
+  if (!judge_ || judged_ != outputs) {
+    const auto first = plan_.outputs.begin() + static_cast<std::ptrdiff_t>(outputs.first);
+    judge_.reset();
+    judge_.emplace(system(), std::vector<std::size_t>(
+                                 first, first + static_cast<std::ptrdiff_t>(outputs.count)));
+    judged_ = outputs;
+  }
+  ++judged_ticks_;
+  verdicts_ += static_cast<std::int64_t>(outputs.count);
+  return judge_->judge();
 }
 
 /// Ends the run where a module has such a fault.

@@ -92,6 +92,8 @@ class Run {
   }
   /// How many of them were judged.
   std::int64_t judged_ticks() const { return judged_ticks_; }
+  /// How many verdicts there were on these, one an output.
+  std::int64_t verdicts() const { return verdicts_; }
   /// Periods of the real clock that went by while a tick took longer.
   std::int64_t missed_periods() const { return missed_periods_; }
   /// The last tick. @pre There was one.
@@ -106,7 +108,8 @@ class Run {
   std::optional<Time> next_real_time();
   std::optional<Time> next_time_of_data();
   void start_at(Time time);
-  bool wants_verdicts() const;
+  OutputRange wanted_verdicts() const;
+  std::span<const VerdictReport> judge(OutputRange outputs);
   bool ends_with(FaultKind kind, RunEnd reason);
   bool is_interrupted() const {
     return options_.interrupted != nullptr && options_.interrupted->load(std::memory_order_relaxed);
@@ -119,9 +122,11 @@ class Run {
   std::vector<Observer*> observers_;
   std::optional<Ending> ending_;
   std::optional<TickView> view_;
-  std::optional<Judge> judge_;  ///< made for the first tick that is judged
+  std::optional<Judge> judge_;  ///< of `judged_`, made when it is needed
+  OutputRange judged_;
   std::int64_t ticks_ = 0;
   std::int64_t judged_ticks_ = 0;
+  std::int64_t verdicts_ = 0;
   std::int64_t missed_periods_ = 0;
   std::int64_t period_ = 0;                                     ///< how many have gone by
   std::optional<Time> first_;                                   ///< the first tick's time

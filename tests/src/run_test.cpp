@@ -62,6 +62,97 @@ TEST(RunText, ManyOutputsAreCounted) {
       << heard.output;
 }
 
+TEST(RunVerdict, OfOneTickInNHasAVerdictInTheFirstOnly) {
+  const Heard heard = call_command("run graphs/wall_pose_vision.yaml --ticks 2 --json --verdict 2");
+  ASSERT_EQ(heard.status, 0) << heard.errors;
+  const auto end = heard.output.find('\n');
+  EXPECT_NE(heard.output.substr(0, end).find("\"verdict\":\"second_order\""), std::string::npos);
+  EXPECT_NE(heard.output.substr(end).find("\"verdict\":null"), std::string::npos);
+}
+
+TEST(RunVerdict, OffIsSaidInTheSummary) {
+  const Heard heard = call_command("run graphs/wall_pose_vision.yaml --ticks 2 --verdict off");
+  EXPECT_EQ(heard.output.find("second_order"), std::string::npos) << heard.output;
+  EXPECT_NE(heard.output.find("\n2 ticks; no verdicts\n"), std::string::npos) << heard.output;
+}
+
+TEST(RunVerdict, QuietRunsJudgeEverFewerTicks) {
+  const Heard heard = call_command("run graphs/wall_pose_sonar.yaml --ticks 100 --quiet");
+  EXPECT_NE(heard.output.find("\n100 ticks; verdicts on 7 of them\n"), std::string::npos)
+      << heard.output;
+}
+
+TEST(RunVerdict, AProfileIsMeasuredWithoutAny) {
+  const auto profile = test_file("profile.yaml");
+  const Heard heard = call_command("run graphs/wall_pose_sonar.yaml --ticks 3 --quiet --profile '" +
+                                   profile.string() + "'");
+  std::filesystem::remove(profile);
+  EXPECT_NE(heard.output.find("\n3 ticks; no verdicts\n"), std::string::npos) << heard.output;
+}
+
+TEST(RunTime, OfALogGivesEveryTickTheTimeOfItsData) {
+  const Heard heard =
+      call_command("run graphs/laser_features.yaml --ticks 3 --time log --json --verdict off");
+  ASSERT_EQ(heard.status, 0) << heard.errors;
+  const std::regex laser("\"laser\":\\{\"outcome\":\"output\",\"compute_ns\":[0-9]+,\"age_ns\":0,");
+  const auto begin = std::sregex_iterator(heard.output.begin(), heard.output.end(), laser);
+  EXPECT_EQ(std::distance(begin, std::sregex_iterator()), 3) << heard.output;
+  EXPECT_EQ(heard.output.find("\"time\":0.0,"), std::string::npos) << "the log's stamps are later";
+}
+
+TEST(RunTime, OfALogNeedsDataWithTimes) {
+  const Heard heard = call_command("run graphs/wall_pose_sonar.yaml --time log");
+  EXPECT_EQ(heard.status, 2);
+  EXPECT_EQ(heard.errors,
+            "ilss: 'wall_pose_sonar' cannot follow its data: no module has data with times of "
+            "their own\n");
+}
+
+TEST(RunThreads, TwoGiveTheSameOutputs) {
+  const auto outputs = [](const std::string& options) {
+    const Heard heard =
+        call_command("run graphs/sonar_ring.yaml --ticks 5 --json --verdict off " + options);
+    EXPECT_EQ(heard.status, 0) << heard.errors;
+    return std::regex_replace(heard.output, std::regex("\"compute_ns\":[0-9]+"), "");
+  };
+  EXPECT_EQ(outputs("--threads 2"), outputs(""));
+}
+
+/// A graph of the test's own in which two of three recordings are missing.
+class GraphWithoutItsData : public testing::Test {
+ protected:
+  GraphWithoutItsData() {
+    std::ofstream(graph_)
+        << "ilss: lost\n"
+           "modules:\n"
+           "  a: {type: sonar, range_std: 2 mm, input: {csv: {file: /no/a.csv, "
+           "column: A}}}\n"
+           "  b: {type: sonar, range_std: 2 mm, input: {values: [{range: 1 m}]}}\n"
+           "  c: {type: sonar, range_std: 2 mm, input: {csv: {file: /no/c.csv, "
+           "column: C}}}\n"
+           "network: {combine: [a, b, c]}\n";
+  }
+  ~GraphWithoutItsData() override { std::filesystem::remove(graph_); }
+
+  void expect_both_reported(const std::string& arguments) const {
+    const Heard heard = call_command(arguments + " '" + graph_.string() + "'");
+    EXPECT_EQ(heard.status, 2);
+    EXPECT_EQ(heard.output, "");
+    EXPECT_EQ(heard.errors.find(graph_.string() + ":3:3: 'a': "), 0U) << heard.errors;
+    EXPECT_NE(heard.errors.find("\n" + graph_.string() + ":5:3: 'c': "), std::string::npos)
+        << heard.errors;
+  }
+  std::filesystem::path graph_ = test_file("graph.yaml");
+};
+
+TEST_F(GraphWithoutItsData, IsNoStartForARun) { expect_both_reported("run"); }
+
+TEST_F(GraphWithoutItsData, IsReportedByACheckThatOpens) { expect_both_reported("check --open"); }
+
+TEST_F(GraphWithoutItsData, IsFineForACheckThatDoesNot) {
+  EXPECT_EQ(call_command("check '" + graph_.string() + "'").status, 0);
+}
+
 TEST(RunText, OneTickIsSingular) {
   const Heard heard = call_command("run graphs/sonar_ring.yaml --quiet --ticks 1");
   EXPECT_EQ(heard.output.substr(0, 8), "\n1 tick\n");

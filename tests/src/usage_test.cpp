@@ -68,6 +68,11 @@ TEST(Usage, PeriodMustBeAboveZeroAndAtMostAMillionSeconds) {
       call_command("run graphs/sonar_ring.yaml --quiet --ticks 2 --period '1000000 s'").status, 0);
 }
 
+TEST(Usage, PeriodHasNoPlaceWhereALogGivesTheTicks) {
+  expect_bad_usage("run graphs/laser_features.yaml --time log --period '1 s'",
+                   "ilss: --period: with --time log the data say when the ticks are");
+}
+
 TEST(Usage, JsonLinesCannotBeQuiet) {
   expect_bad_usage("run graphs/sonar_ring.yaml --json --quiet", "ilss: --quiet excludes --json");
 }

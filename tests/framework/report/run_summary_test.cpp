@@ -39,9 +39,10 @@ TEST(RunSummary, SaysHowManyTicksWereJudgedWhereNotAllWere) {
   EXPECT_EQ(first_line(summary_of({.most_ticks = 1, .judge_every = 0})), "1 tick; no verdicts\n");
 }
 
-TEST(RunSummary, SamplesVerdictsEverMoreSeldom) {
-  EXPECT_TRUE(has(summary_of({.most_ticks = 1000}, true), "verdicts on 10 of them"));
-  EXPECT_TRUE(has(summary_of({.most_ticks = 1025}, true), "verdicts on 11 of them"));
+TEST(RunSummary, SamplesVerdictsEverMoreSeldomOnOneOutputAfterAnother) {
+  EXPECT_TRUE(has(summary_of({.most_ticks = 1000}, true), "; 10 verdicts, on 10 of them\n"));
+  EXPECT_TRUE(has(summary_of({.most_ticks = 1025}, true), "; 11 verdicts, on 11 of them\n"));
+  EXPECT_TRUE(has(summary_of({.most_ticks = 1}, true), "1 tick; 1 verdict, on 1 of them\n"));
 }
 
 TEST(RunSummary, CountsOutputsAndFaultsAndStatesTheRootMeanSquare) {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "command.h"
+#include "tests/src/command.h"
 
 namespace ilss {
 namespace {

@@ -16,7 +16,7 @@ modules: {slow: {type: counter, period: 2, delay: 20 ms, std: 0.1}, next: {type:
 network: {serial: [slow, next]}
 )";
 
-Json json_of(const std::string& text, int ticks, const std::vector<VerdictReport>* verdicts = {}) {
+Json json_of(const std::string& text, int ticks, std::span<const VerdictReport> verdicts = {}) {
   const Plan plan = plan_of(text);
   Runner runner(plan);
   for (int tick = 0; tick < ticks; ++tick) runner.step(time_at(0.1 * tick));
@@ -25,7 +25,7 @@ Json json_of(const std::string& text, int ticks, const std::vector<VerdictReport
 
 TEST(TickJson, HasTheFieldsOfTheContract) {
   const std::vector<VerdictReport> verdicts(1);
-  const Json json = json_of(graph, 1, &verdicts);
+  const Json json = json_of(graph, 1, verdicts);
   EXPECT_EQ(json["tick"], 0);
   EXPECT_EQ(json["time"], 0.0);
   EXPECT_EQ(json["outcome"], "output");

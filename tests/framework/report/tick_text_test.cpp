@@ -20,8 +20,8 @@ std::string text_of(const std::string& graph, int ticks, const std::vector<Verdi
   for (int tick = 0; tick < ticks; ++tick) runner.step(time_at(0.1 * tick));
   std::vector<VerdictReport> reports;
   for (const Verdict verdict : verdicts) reports.push_back({.verdict = verdict});
-  return tick_text(TickView(runner.system(), {.verdicts = verdicts.empty() ? nullptr : &reports,
-                                              .commands = runner.commander().given()}));
+  return tick_text(
+      TickView(runner.system(), {.verdicts = reports, .commands = runner.commander().given()}));
 }
 
 const std::string one = "modules: {a: {type: counter, fault_at: 1}}\nnetwork: a\n";

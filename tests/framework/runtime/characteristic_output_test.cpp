@@ -25,7 +25,7 @@ class Ran {
   Ran(const Plan& plan, int ticks) : runner_(plan) {
     for (int tick = 0; tick < ticks; ++tick) runner_.step(time_at(0.1 * tick));
   }
-  TickView tick(const std::vector<VerdictReport>* verdicts = nullptr) const {
+  TickView tick(std::span<const VerdictReport> verdicts = {}) const {
     return {runner_.system(), {.counts = runner_.counts(), .verdicts = verdicts}};
   }
 
@@ -76,10 +76,24 @@ TEST(CharacteristicOutput, HasAVerdictOnlyWhereItsOutputWasJudged) {
   const Ran ran(plan, 2);
   const std::vector<VerdictReport> verdicts(2);
   EXPECT_EQ(ran.tick().output(1).verdict, nullptr);
-  EXPECT_EQ(ran.tick(&verdicts).output(1).verdict, &verdicts[1]);
-  EXPECT_EQ(ran.tick(&verdicts)[plan.find("next").value()].verdict, &verdicts[1]);
-  EXPECT_EQ(ran.tick(&verdicts)[plan.find("fast").value()].verdict, nullptr);
-  EXPECT_EQ(ran.tick(&verdicts).output(0).verdict, nullptr) << "it is pending";
+  EXPECT_EQ(ran.tick(verdicts).output(1).verdict, &verdicts[1]);
+  EXPECT_EQ(ran.tick(verdicts)[plan.find("next").value()].verdict, &verdicts[1]);
+  EXPECT_EQ(ran.tick(verdicts)[plan.find("fast").value()].verdict, nullptr);
+  EXPECT_EQ(ran.tick(verdicts).output(0).verdict, nullptr) << "it is pending";
+}
+
+TEST(TickView, AVerdictOnSomeOutputsIsOnThese) {
+  const Plan plan = plan_of(
+      "modules: {a: {type: counter}, b: {type: counter}, c: {type: counter}}\n"
+      "network: {combine: [a, b, c]}\n");
+  System system(plan, 1);
+  system.evaluate(time_at(0));
+  const std::vector<VerdictReport> verdicts(1);
+  const TickView tick(system, {.verdicts = verdicts, .first_judged = 1});
+  EXPECT_EQ(tick.output(0).verdict, nullptr);
+  EXPECT_EQ(tick.output(1).verdict, &verdicts[0]);
+  EXPECT_EQ(tick.output(2).verdict, nullptr);
+  EXPECT_EQ(tick[1].verdict, &verdicts[0]);
 }
 
 TEST(CharacteristicOutput, HoldsTheComputeTimeThatTheRunnerMeasured) {

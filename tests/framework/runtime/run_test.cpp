@@ -23,10 +23,12 @@ class Notes final : public Observer {
  public:
   explicit Notes(std::function<void()> action = {}) : action_(std::move(action)) {}
 
-  bool wants_verdicts(const TickView& tick) override { return tick.tick() == verdict_at; }
+  OutputRange wants_verdicts(const TickView& tick) override {
+    return {0, tick.tick() == verdict_at ? tick.outputs() : 0};
+  }
   void observe(const TickView& tick) override {
     times.push_back(tick.time());
-    judged.push_back(tick.is_judged());
+    judged.push_back(tick.judged().count != 0);
     const Output* output = tick.output(0).output;
     values.push_back(output == nullptr ? NAN : output->estimate.value.at(0));
     if (action_) action_();

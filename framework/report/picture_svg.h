@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "src/picture.h"
+#include "framework/report/picture.h"
 
 namespace ilss {
 

@@ -1,15 +1,13 @@
-#include "src/picture.h"
+#include "framework/report/picture.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "framework/module/sample_column.h"
 #include "framework/report/set_text.h"
-#include "sensors/features/range_features.h"
-#include "sensors/laser/laser_mount.h"
-#include "sensors/laser/scan_points.h"
-#include "sensors/range/range_scan.h"
 
 namespace ilss {
 namespace {
@@ -70,34 +68,45 @@ std::optional<PictureAxes> add_estimate(const Estimate& estimate, PictureLayer& 
   }
   const auto place = find_place(estimate, "");
   if (!place) return std::nullopt;
-  const bool is_jump = type.name == SurfaceEdge<double>::name;
+  const bool is_jump = type.name == "edge";
   layer.marks.push_back(
       {point_at(estimate, *place), is_jump, type.name + "  " + component_line(estimate)});
   return place->axes;
 }
 
-/// Adds the readings of a scan, and the field in which it looked.
-PictureAxes add_scan(const Output& scan, PictureLayer& layer) {
-  const auto readings = readings_of(scan);
-  const bool x_is_up = is_robot(scan.estimate.frame);
+/// The columns of a scan whose rays each have a place of their own.
+struct RayColumns {
+  ColumnNumbers origin_x, origin_z, bearing, inverse_range, deviation;
+
+  static std::optional<RayColumns> find(const Output& output) {
+    const auto origin_x = ColumnNumbers::find(output, "origin_x");
+    const auto origin_z = ColumnNumbers::find(output, "origin_z");
+    const auto bearing = ColumnNumbers::find(output, "bearing");
+    const auto inverse_range = ColumnNumbers::find(output, "inverse_range");
+    const auto deviation = ColumnNumbers::find(output, "deviation");
+    if (!origin_x || !origin_z || !bearing || !inverse_range || !deviation) return std::nullopt;
+    return RayColumns{*origin_x, *origin_z, *bearing, *inverse_range, *deviation};
+  }
+};
+
+/// Adds the readings along rays, and the field in which the sensor looked.
+PictureAxes add_rays(const RayColumns& rays, bool x_is_up, PictureLayer& layer) {
   PictureAxes axes = x_is_up ? PictureAxes{.right = "z", .up = "x"} : PictureAxes{};
-  if (readings.empty()) return axes;
+  const std::size_t count = rays.bearing.size();
   const auto place = [&](double x, double z) {
     return x_is_up ? Eigen::Vector2d(z, x) : Eigen::Vector2d(x, z);
   };
-  const auto along = [&](const RangeReading& reading, double range) {
-    return place(range * std::cos(reading.bearing), range * std::sin(reading.bearing));
+  const auto along = [&](std::size_t i, double range) {
+    return place(range * std::cos(rays.bearing[i]), range * std::sin(rays.bearing[i]));
   };
-  const auto origin = [&](const RangeReading& reading) {
-    return place(reading.origin_x, reading.origin_z);
-  };
+  const auto origin = [&](std::size_t i) { return place(rays.origin_x[i], rays.origin_z[i]); };
   std::vector<double> ranges;
-  for (const RangeReading& reading : readings) {
-    const double range = 1 / reading.inverse_range;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double range = 1 / rays.inverse_range[i];
     if (!std::isfinite(range)) continue;
     ranges.push_back(range);
-    layer.readings.push_back({origin(reading) + along(reading, range),
-                              along(reading, reading.deviation * range * range)});
+    layer.readings.push_back(
+        {origin(i) + along(i, range), along(i, rays.deviation[i] * range * range)});
   }
   if (ranges.empty()) return axes;
   // Up to the first and last reading, but hardly farther than nearly all of them: a reading of
@@ -105,10 +114,10 @@ PictureAxes add_scan(const Output& scan, PictureLayer& layer) {
   const auto most = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() * 95 / 100);
   std::nth_element(ranges.begin(), most, ranges.end());
   const double far = 1.2 * *most;
-  const auto border = [&](const RangeReading& reading) -> Eigen::Vector2d {
-    return origin(reading) + along(reading, std::min(far, 1 / reading.inverse_range));
+  const auto border = [&](std::size_t i) -> Eigen::Vector2d {
+    return origin(i) + along(i, std::min(far, 1 / rays.inverse_range[i]));
   };
-  layer.field = {origin(readings.back()), border(readings.front()), border(readings.back()), far};
+  layer.field = {origin(count - 1), border(0), border(count - 1), far};
   return axes;
 }
 
@@ -128,69 +137,91 @@ bool is_corrected(const Plan& plan, std::size_t scan) {
   return false;
 }
 
-/// Adds a laser's returns, in the robot's plane by the mount that the scan carries.
-DrawnLayer draw_laser_scan(const Plan& plan, std::size_t node, const Output& scan) {
-  DrawnLayer drawn{{plan.nodes[node].name, samples_text(scan)}, "robot", {.right = "z", .up = "x"}};
-  if (is_corrected(plan, node)) return drawn;
-  const LaserMount mount = mount_of(scan.estimate);
-  const Eigen::Vector2d origin(mount.z, mount.x);
-  const double deviation = noise_of(scan.estimate).range_deviation();
+/// What a mounted scan says of itself by its columns and components.
+struct MountedScan {
+  ColumnNumbers bearing, range;
+  double mount_x, mount_z, mount_heading;
+  double range_deviation;
+
+  static std::optional<MountedScan> find(const Output& output) {
+    const auto bearing = ColumnNumbers::find(output, "bearing");
+    const auto range = ColumnNumbers::find(output, "range");
+    // One taken apart into segments shows the readings of the scan before it.
+    if (!bearing || !range || ColumnNumbers::find(output, "segment")) return std::nullopt;
+    std::array<double, 5> values{};
+    constexpr std::array names = {"mount_x", "mount_z", "mount_heading", "range_std", "quantum"};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto component = output.estimate.type->find(names[i]);
+      if (!component) return std::nullopt;
+      values[i] = output.estimate.value[*component];
+    }
+    const auto [x, z, heading, range_std, quantum] = values;
+    return MountedScan{
+        *bearing, *range, x, z, heading, std::sqrt(range_std * range_std + quantum * quantum / 12)};
+  }
+};
+
+/// Adds the returns of a mounted scan in the robot's plane. A range of 0 is none.
+void add_returns(const MountedScan& scan, PictureLayer& layer) {
+  const Eigen::Vector2d origin(scan.mount_z, scan.mount_x);
   std::vector<Eigen::Vector2d> points;
-  for (const LaserBeam& beam : beams_of(scan)) {
-    if (!(beam.range > 0)) continue;
-    const double bearing = mount.heading - beam.bearing;
+  for (std::size_t i = 0; i < scan.range.size(); ++i) {
+    const double range = scan.range[i];
+    if (!(range > 0)) continue;
+    const double bearing = scan.mount_heading - scan.bearing[i];
     const Eigen::Vector2d along(std::sin(bearing), std::cos(bearing));
-    points.emplace_back(origin + beam.range * along);
-    drawn.layer.readings.push_back({points.back(), deviation * along});
+    points.emplace_back(origin + range * along);
+    layer.readings.push_back({points.back(), scan.range_deviation * along});
   }
   if (!points.empty())
-    drawn.layer.field = {origin, points.front(), points.back(),
-                         (points.front() - origin).norm() + (points.back() - origin).norm()};
-  return drawn;
+    layer.field = {origin, points.front(), points.back(),
+                   (points.front() - origin).norm() + (points.back() - origin).norm()};
 }
 
 DrawnLayer draw(const Plan& plan, std::size_t node, const Output& output) {
-  if (output.estimate.type->name == LaserScan<double>::name)
-    return draw_laser_scan(plan, node, output);
-  const std::string& module = plan.nodes[node].name;
-  PictureLayer layer{module, samples_text(output)};
-  PictureAxes axes;
-  if (output.estimate.type->name == RangeScan<double>::name) {
-    axes = add_scan(output, layer);
-    return {std::move(layer), plan.nodes[node].frame, axes};
+  const std::string& frame = plan.nodes[node].frame;
+  PictureLayer layer{plan.nodes[node].name, samples_text(output)};
+  if (const auto rays = RayColumns::find(output)) {
+    const PictureAxes axes = add_rays(*rays, is_robot(output.estimate.frame), layer);
+    return {std::move(layer), frame, axes};
   }
+  if (const auto scan = MountedScan::find(output)) {
+    if (!is_corrected(plan, node)) add_returns(*scan, layer);
+    return {std::move(layer), "robot", {.right = "z", .up = "x"}};
+  }
+  PictureAxes axes;
   if (output.estimate.type->element.empty()) {
     layer.content = output.estimate.type->name;
     axes = add_estimate(output.estimate, layer).value_or(axes);
-    return {std::move(layer), plan.nodes[node].frame, axes};
+    return {std::move(layer), frame, axes};
   }
   layer.content = element_counts_text(output.elements);
   for (const Estimate& element : output.elements)
     axes = add_estimate(element, layer).value_or(axes);
-  return {std::move(layer), plan.nodes[node].frame, axes};
+  return {std::move(layer), frame, axes};
 }
 
 }  // namespace
 
-std::optional<Picture> picture_of(const System& system, double time) {
-  const Plan& plan = system.plan();
-  std::vector<DrawnLayer> layers(system.size());
-  for (std::size_t i = 0; i < system.size(); ++i)
-    if (system.node(i).outcome.has_output()) layers[i] = draw(plan, i, system.node(i).output());
+std::optional<Picture> picture_of(const TickView& tick, const SceneBehind& scene_behind) {
+  const Plan& plan = tick.plan();
+  std::vector<DrawnLayer> layers(tick.size());
+  for (std::size_t i = 0; i < tick.size(); ++i)
+    if (const Output* output = tick[i].output) layers[i] = draw(plan, i, *output);
   std::vector<std::size_t> order = plan.outputs;
-  for (std::size_t i = 0; i < system.size(); ++i) order.push_back(i);
+  for (std::size_t i = 0; i < tick.size(); ++i) order.push_back(i);
   const auto first = std::find_if(order.begin(), order.end(),
                                   [&](std::size_t i) { return !layers[i].layer.empty(); });
   if (first == order.end()) return std::nullopt;
 
-  Picture picture{
-      .title = plan.description.empty() ? plan.name : plan.description,
-      .subtitle = fmt::format("{}, tick {} at {:.3f} s", plan.name, system.ticks() - 1, time),
-      .frame = layers[*first].frame,
-      .axes = layers[*first].axes};
+  Picture picture{.title = plan.description.empty() ? plan.name : plan.description,
+                  .subtitle = fmt::format("{}, tick {} at {:.3f} s", plan.name, tick.tick(),
+                                          seconds(tick.time())),
+                  .frame = layers[*first].frame,
+                  .axes = layers[*first].axes};
   if (!picture.frame.empty()) picture.subtitle += ", frame " + picture.frame;
-  for (std::size_t i = 0; i < system.size(); ++i) {
-    auto scene = scene_behind(system, i, time);
+  for (std::size_t i = 0; i < tick.size(); ++i) {
+    auto scene = scene_behind ? scene_behind(i) : std::nullopt;
     if (scene && scene->frame == picture.frame) picture.scenes.push_back(std::move(*scene));
     if (layers[i].layer.empty()) continue;
     const std::string& frame = layers[i].frame;

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "framework/graph/system.h"
-#include "src/picture_scene.h"
+#include "framework/runtime/characteristic_output.h"
 
 namespace ilss {
 
@@ -58,6 +59,20 @@ struct PictureLayer {
   bool empty() const { return readings.empty() && strokes.empty() && marks.empty(); }
 };
 
+/// The simulated world behind a sensor's readings, as the sensor sees it: walls and pillars.
+struct PictureScene {
+  struct Pillar {
+    Eigen::Vector2d centre;
+    double radius;
+  };
+  std::string module;  ///< the sensor
+  std::string frame;
+  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> walls = {};
+  std::vector<Pillar> pillars = {};
+};
+/// The scene that a node simulates its readings in; nothing where it simulates none.
+using SceneBehind = std::function<std::optional<PictureScene>(std::size_t node)>;
+
 /// Which of a frame's axes lie where, so that forward is up: the sensors' planes have x to the
 /// right and z up, the robot's has x up and z to the right, those of REP-103 x up and y to the
 /// left.
@@ -78,10 +93,17 @@ struct Picture {
   std::vector<std::string> left_out = {};  ///< messages on what is in another frame
 };
 
-/// Gathers what the modules gave in the last tick, at `time` (s): range scans, and every payload or
-/// element of a set that says by its components' names where it is: `x` and `z` (or `y`), from
-/// `start_x` ... to `end_x` ..., about `centre_x` .... The frame is that of the first output that
-/// can be drawn, or else the first module's. Nothing where there is none.
-std::optional<Picture> picture_of(const System& system, double time);
+/// Gathers what the modules gave in a tick, by what their payloads' descriptors call it.
+///
+/// Scans are samples with a column `bearing` (rad) and either `origin_x`, `origin_z`,
+/// `inverse_range` and `deviation` (its standard deviation), rays in the scan's frame from x
+/// towards z; or `range`, counter-clockwise, beside components `mount_x`, `mount_z`,
+/// `mount_heading`, `range_std` and `quantum`, which place it in the robot's plane. Payloads and
+/// elements of a set say by their components where they are: `x` and `z` (or `y`), from `start_x`
+/// ... to `end_x` ..., about `centre_x` ....
+///
+/// The frame is that of the first output that can be drawn, or else the first module's. Nothing
+/// where there is none. `scene_behind` may be empty.
+std::optional<Picture> picture_of(const TickView& tick, const SceneBehind& scene_behind = {});
 
 }  // namespace ilss

@@ -1,4 +1,4 @@
-#include "src/picture_svg.h"
+#include "framework/report/picture_svg.h"
 
 #include <fmt/format.h>
 
