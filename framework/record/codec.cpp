@@ -195,7 +195,7 @@ void write_component(const Component& component, Writer& writer) {
   writer.text(component.unit);
   writer.text(component.documentation);
   writer.flag(component.default_value.has_value());
-  writer.number(component.default_value.value_or(0.0));
+  if (component.default_value) writer.number(*component.default_value);
   writer.choice(component.geometry);
 }
 
@@ -205,9 +205,7 @@ Component read_component(Reader& reader) {
   component.name = reader.text();
   component.unit = reader.text();
   component.documentation = reader.text();
-  const bool has_default = reader.flag();
-  const auto value = reader.template number<double>();
-  if (has_default) component.default_value = value;
+  if (reader.flag()) component.default_value = reader.template number<double>();
   component.geometry = reader.choice(Geometry::rotation);
   return component;
 }
@@ -269,7 +267,7 @@ void check_rotations(const std::vector<Component>& components) {
 template <typename Reader>
 PayloadDescriptor read_payload(Reader& reader) {
   const auto text = [&reader] { return reader.text(); };
-  constexpr std::size_t component_bytes = 3 * text_bytes + 10;
+  constexpr std::size_t component_bytes = 3 * text_bytes + 2;
   constexpr std::size_t column_bytes = 3 * text_bytes + 6;
   PayloadDescriptor payload;
   payload.name = reader.text();
