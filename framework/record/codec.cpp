@@ -264,6 +264,18 @@ void check_rotations(const std::vector<Component>& components) {
   if (of_rotation % 3 != 0) throw Malformed{"a rotation has other than three components"};
 }
 
+/// Whether rotations have three consecutive components, in radians, as whoever takes them for
+/// granted needs.
+bool has_whole_rotations(const std::vector<Component>& components) {
+  std::size_t in_a_row = 0;
+  for (const Component& component : components) {
+    const bool is_rotation = component.geometry == Geometry::rotation;
+    if (is_rotation ? component.unit != "rad" : in_a_row % 3 != 0) return false;
+    if (is_rotation) ++in_a_row;
+  }
+  return in_a_row % 3 == 0;
+}
+
 template <typename Reader>
 PayloadDescriptor read_payload(Reader& reader) {
   const auto text = [&reader] { return reader.text(); };
@@ -273,6 +285,7 @@ PayloadDescriptor read_payload(Reader& reader) {
   payload.name = reader.text();
   payload.documentation = reader.text();
   reader.list(payload.components, component_bytes, [&] { return read_component(reader); });
+  if (!has_whole_rotations(payload.components)) throw Malformed{"a rotation is not whole"};
   reader.list(payload.labels, 2 * text_bytes, [&] {
     Label label{reader.text(), {}};
     reader.list(label.values, text_bytes, text);
