@@ -29,7 +29,7 @@ struct RunningSensor {
     return lep_readings_of(output);
   }
   Outcome<> command(const std::string& name, double value, double time) {
-    return sensor.command({name, value, time});
+    return sensor.command({name, value, time_at(time)});
   }
 
   LepRig rig;
@@ -121,7 +121,7 @@ TEST(LepSensor, RefusesWhatItsDriveCannotDo) {
         std::pair("rotate_to", std::nan("")), std::pair("rotate_at", std::nan("")),
         std::pair("jump", 0.0)})
     EXPECT_EQ(fault_of(run.command(name, value, 0)), "refused") << name << " " << value;
-  EXPECT_EQ(fault_of(run.sensor.command({"rotate_to", std::string("left"), 0})), "refused");
+  EXPECT_EQ(fault_of(run.sensor.command({"rotate_to", std::string("left"), {}})), "refused");
   EXPECT_EQ(fault_of(run.command("rotate_to", 90.1 * degree, 0)), "refused");
   const auto readings = run.next();
   EXPECT_NEAR(readings.back().head, 9 * degree, 1e-12) << "a refused command changes nothing";
@@ -274,16 +274,16 @@ TEST(LepSensor, DoesNotDependOnWhichTickIsAskedFirst) {
     rig.options.readings = readings;
     rig.options.turn_rate = 0.3;
     RunningSensor in_order{rig};
-    std::vector<std::vector<double>> ticks;
+    std::vector<std::vector<std::byte>> ticks;
     for (int tick = 0; tick < 9; ++tick) {
       in_order.next();
-      ticks.push_back(in_order.output.samples.values);
+      ticks.push_back(in_order.output.samples.bytes);
     }
     RunningSensor other{rig};
     for (const std::int64_t tick : {7, 3, 8, 3, 0}) {
       other.tick = tick;
       other.next();
-      EXPECT_EQ(other.output.samples.values, ticks[static_cast<std::size_t>(tick)])
+      EXPECT_EQ(other.output.samples.bytes, ticks[static_cast<std::size_t>(tick)])
           << "tick " << tick << " of " << readings << " readings";
     }
   }

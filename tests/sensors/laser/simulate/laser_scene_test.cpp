@@ -131,7 +131,7 @@ void expect_no_order_of_ticks(const typename M::Options& options) {
   for (const std::int64_t number : {7, 3, 12, 7, 0}) {
     const Output output = output_of_module(other, at(number));
     const Output& expected = ticks[static_cast<std::size_t>(number)];
-    EXPECT_EQ(output.samples.values, expected.samples.values) << "tick " << number;
+    EXPECT_EQ(output.samples.bytes, expected.samples.bytes) << "tick " << number;
     EXPECT_EQ(output.estimate.value, expected.estimate.value) << "tick " << number;
     ASSERT_EQ(output.elements.size(), expected.elements.size()) << "tick " << number;
     for (std::size_t e = 0; e < output.elements.size(); ++e)
