@@ -15,11 +15,12 @@
 #include <limits>
 
 #include "framework/estimate/units.h"
+#include "framework/report/feature_file.h"
 #include "framework/report/picture_svg.h"
 #include "framework/report/run_summary.h"
 #include "framework/report/tick_json.h"
 #include "framework/report/tick_text.h"
-#include "src/feature_file.h"
+#include "src/output_file.h"
 #include "src/picture_scene.h"
 #include "src/session.h"
 
@@ -77,18 +78,33 @@ class TickPrinter final : public Observer {
   bool as_json_;
 };
 
-/// Writes the features of every tick.
-class FeatureWriter final : public Observer {
- public:
-  explicit FeatureWriter(FeatureFile& file) : file_(file) {}
-  OutputRange wants_verdicts(const TickView& tick) override {
-    return {0, file_.has_verdicts() ? tick.outputs() : 0};
-  }
-  void observe(const TickView& tick) override { file_.add(tick); }
+/// The payload of the plan's one output, which must be a set, as --features writes it.
+const PayloadDescriptor& set_of(const Plan& plan) {
+  if (plan.outputs.size() != 1)
+    fail(exit_bad_input,
+         fmt::format("--features: the graph gives {} outputs; expected one, a set of features",
+                     plan.outputs.size()));
+  const PayloadDescriptor& payload = *plan.nodes[plan.outputs.front()].interface.output;
+  if (payload.element.empty())
+    fail(exit_bad_input,
+         fmt::format("--features: the graph gives {}, which is no set of features", payload.name));
+  return payload;
+}
 
- private:
-  FeatureFile& file_;
-};
+/// The format that a file's name says; must fit the set.
+FeatureFile::Format feature_format(const std::string& path, const PayloadDescriptor& set) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension == ".json") return FeatureFile::Format::json;
+  if (extension != ".csv")
+    fail(exit_bad_input,
+         fmt::format("--features: '{}' ends neither in .csv nor in .json, so its format is unknown",
+                     path));
+  if (set.elements.empty())
+    fail(exit_bad_input, fmt::format("--features: {} does not declare its elements, so a CSV file "
+                                     "has no columns; .json takes it",
+                                     set.name));
+  return FeatureFile::Format::csv;
+}
 
 /// Keeps the picture of the last tick that had something to draw.
 class PictureTaker final : public Observer {
@@ -257,11 +273,13 @@ int run(const Arguments& arguments, Session& session) {
   RunOptions options = read_options(arguments, plan);
   if (!arguments.profile.empty()) check_file("--profile", arguments.profile, arguments.graph);
   if (!arguments.picture.empty()) check_file("--picture", arguments.picture, arguments.graph);
+  std::optional<OutputFile> feature_file;
   std::optional<FeatureFile> features;
-  std::optional<FeatureWriter> feature_writer;
   if (!arguments.features.empty()) {
     check_file("--features", arguments.features, arguments.graph);
-    feature_writer.emplace(features.emplace(arguments.features, plan));
+    const PayloadDescriptor& set = set_of(plan);
+    const FeatureFile::Format format = feature_format(arguments.features, set);
+    features.emplace(feature_file.emplace(arguments.features).stream(), format, set);
   }
 
   Run run(plan, std::move(options));
@@ -269,7 +287,7 @@ int run(const Arguments& arguments, Session& session) {
   TickPrinter printer(arguments.json);
   PictureTaker pictures(run.runner().system());
   run.add(summary);
-  if (feature_writer) run.add(*feature_writer);
+  if (features) run.add(*features);
   if (!arguments.picture.empty()) run.add(pictures);
   if (!arguments.quiet) run.add(printer);
   Diagnostics diagnostics;
@@ -280,7 +298,10 @@ int run(const Arguments& arguments, Session& session) {
   report_end(run, arguments);
   if (ending.reason == RunEnd::device_lost) return exit_failed;
   if (!arguments.json) fmt::print("{}", summary_text(run, summary));
-  if (features) features->commit();
+  if (features) {
+    features->finish();
+    feature_file->commit();
+  }
   if (!arguments.profile.empty()) write_profile_file(arguments.profile, run.runner());
   return arguments.picture.empty() ? exit_fine : write_picture_file(arguments, pictures.picture());
 }

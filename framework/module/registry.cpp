@@ -40,6 +40,7 @@ void Registry::add(ModuleType type) {
 
 void Registry::add_payload(const PayloadDescriptor& payload) {
   if (&payload == &any_payload()) return;
+  for (const PayloadDescriptor* element : payload.elements) add_payload(*element);
   const auto [place, fresh] = payloads_.emplace(payload.name, &payload);
   if (fresh) return;
   if (!same_payload(*place->second, payload))

@@ -102,12 +102,12 @@ class Columns {
  private:
   template <typename Number>
   static constexpr bool lies_at(const RowColumn<Row, Number>& column, std::size_t& place) {
-    using Bytes = std::array<std::uint8_t, sizeof(Row)>;
+    using RowBytes = std::array<std::uint8_t, sizeof(Row)>;
     std::array<std::uint8_t, sizeof(Number)> ones{};
     ones.fill(0xff);
-    Row row = std::bit_cast<Row>(Bytes{});
+    Row row = std::bit_cast<Row>(RowBytes{});
     row.*column.member = std::bit_cast<Number>(ones);
-    const Bytes bytes = std::bit_cast<Bytes>(row);
+    const RowBytes bytes = std::bit_cast<RowBytes>(row);
     const std::size_t begin = std::exchange(place, place + sizeof(Number));
     for (std::size_t i = 0; i < bytes.size(); ++i)
       if (bytes[i] != (i >= begin && i < place ? 0xff : 0)) return false;

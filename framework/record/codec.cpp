@@ -195,7 +195,7 @@ void write_component(const Component& component, Writer& writer) {
   writer.text(component.unit);
   writer.text(component.documentation);
   writer.flag(component.default_value.has_value());
-  writer.number(component.default_value.value_or(0.0));
+  if (component.default_value) writer.number(*component.default_value);
   writer.choice(component.geometry);
 }
 
@@ -205,9 +205,7 @@ Component read_component(Reader& reader) {
   component.name = reader.text();
   component.unit = reader.text();
   component.documentation = reader.text();
-  const bool has_default = reader.flag();
-  const auto value = reader.template number<double>();
-  if (has_default) component.default_value = value;
+  if (reader.flag()) component.default_value = reader.template number<double>();
   component.geometry = reader.choice(Geometry::rotation);
   return component;
 }
@@ -266,15 +264,28 @@ void check_rotations(const std::vector<Component>& components) {
   if (of_rotation % 3 != 0) throw Malformed{"a rotation has other than three components"};
 }
 
+/// Whether rotations have three consecutive components, in radians, as whoever takes them for
+/// granted needs.
+bool has_whole_rotations(const std::vector<Component>& components) {
+  std::size_t in_a_row = 0;
+  for (const Component& component : components) {
+    const bool is_rotation = component.geometry == Geometry::rotation;
+    if (is_rotation ? component.unit != "rad" : in_a_row % 3 != 0) return false;
+    if (is_rotation) ++in_a_row;
+  }
+  return in_a_row % 3 == 0;
+}
+
 template <typename Reader>
 PayloadDescriptor read_payload(Reader& reader) {
   const auto text = [&reader] { return reader.text(); };
-  constexpr std::size_t component_bytes = 3 * text_bytes + 10;
+  constexpr std::size_t component_bytes = 3 * text_bytes + 2;
   constexpr std::size_t column_bytes = 3 * text_bytes + 6;
   PayloadDescriptor payload;
   payload.name = reader.text();
   payload.documentation = reader.text();
   reader.list(payload.components, component_bytes, [&] { return read_component(reader); });
+  if (!has_whole_rotations(payload.components)) throw Malformed{"a rotation is not whole"};
   reader.list(payload.labels, 2 * text_bytes, [&] {
     Label label{reader.text(), {}};
     reader.list(label.values, text_bytes, text);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <stdexcept>
 
 #include "framework/module/document.h"
 
@@ -66,6 +67,14 @@ std::vector<std::string> split(std::string_view row) {
     if (comma == std::string_view::npos) return cells;
     row.remove_prefix(comma + 1);
   }
+}
+
+/// A text as a cell: in quotes where it holds what would end it.
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
 }
 
 /// The type of that name among a set's elements. Fault: bad_data.
@@ -168,6 +177,67 @@ class FeatureColumns::Cells {
   const std::vector<std::string>* names_;
 };
 
+/// Finds where the parts of each type stand, labels of all types first.
+void FeatureColumns::place_types(const PayloadDescriptor& set,
+                                 const std::function<std::size_t(const std::string&)>& place) {
+  for (const PayloadDescriptor* type : set.elements) types_.push_back({type, {}, {}, {}, {}});
+  for (Type& type : types_)
+    for (const Label& label : type.type->labels) type.labels.push_back(place(label.name));
+  for (Type& type : types_)
+    for (const Component& component : type.type->components)
+      type.components.push_back(place(component.name));
+  for (Type& type : types_) {
+    const std::vector<Component>& parts = type.type->components;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      for (std::size_t j = i; j < parts.size(); ++j)
+        type.covariances.push_back(
+            place(fmt::format("covariance.{}.{}", parts[i].name, parts[j].name)));
+  }
+}
+
+FeatureColumns::FeatureColumns(const PayloadDescriptor& set) {
+  const auto place = [this](const std::string& name) {
+    const auto column =
+        static_cast<std::size_t>(std::find(names_.begin(), names_.end(), name) - names_.begin());
+    if (column == names_.size()) names_.push_back(name);
+    return column;
+  };
+  tick_ = place("tick");
+  time_ = place("time");
+  acquired_ = place("acquired");
+  frame_ = place("frame");
+  type_ = place("type");
+  place_types(set, place);
+}
+
+std::string FeatureColumns::header() const {
+  std::vector<std::string> cells;
+  for (const std::string& name : names_) cells.push_back(cell(name));
+  return fmt::format("{}\n", fmt::join(cells, ","));
+}
+
+std::string FeatureColumns::line(std::string_view leading, const Estimate& element) const {
+  const auto type = std::find_if(types_.begin(), types_.end(),
+                                 [&](const Type& t) { return t.type->name == element.type->name; });
+  if (type == types_.end())
+    throw std::invalid_argument(
+        fmt::format("the set holds {}, which its payload does not name", element.type->name));
+  std::vector<std::string> cells(names_.size());
+  cells[frame_] = cell(element.frame);
+  cells[type_] = cell(element.type->name);
+  for (std::size_t i = 0; i < type->labels.size(); ++i)
+    cells[type->labels[i]] =
+        cell(element.type->labels[i].values[static_cast<std::size_t>(element.labels[i])]);
+  for (std::size_t i = 0; i < type->components.size(); ++i)
+    cells[type->components[i]] = fmt::format("{}", element.value[i]);
+  const Eigen::MatrixXd covariance = element.lineage.covariance();
+  auto column = type->covariances.begin();
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i)
+    for (Eigen::Index j = i; j < covariance.cols(); ++j)
+      cells[*column++] = fmt::format("{}", covariance(i, j));
+  return fmt::format("{},{}\n", leading, fmt::join(cells.begin() + 3, cells.end(), ","));
+}
+
 Outcome<FeatureColumns> FeatureColumns::read(std::string_view header,
                                              const PayloadDescriptor& set) {
   FeatureColumns columns;
@@ -191,16 +261,8 @@ Outcome<FeatureColumns> FeatureColumns::read(std::string_view header,
         fmt::format("the header has no column '{}'; expected a CSV or JSON file of "
                     "features, as ilss run --features writes it",
                     columns.tick_ == missing ? "tick" : "type"));
-  for (const PayloadDescriptor* payload : set.elements) {
-    Type& type = columns.types_.emplace_back();
-    type.type = payload;
-    for (const Label& label : payload->labels) type.labels.push_back(place(label.name));
-    const std::vector<Component>& parts = payload->components;
-    for (const Component& part : parts) type.components.push_back(place(part.name));
-    for (std::size_t i = 0; i < parts.size(); ++i)
-      for (std::size_t j = i; j < parts.size(); ++j)
-        type.covariances.push_back(
-            place(fmt::format("covariance.{}.{}", parts[i].name, parts[j].name)));
+  columns.place_types(set, place);
+  for (Type& type : columns.types_) {
     type.has.assign(names.size(), false);
     for (const auto* list : {&type.labels, &type.components, &type.covariances})
       for (const std::size_t column : *list)
@@ -326,14 +388,17 @@ Outcome<double> number_of(const Json& json, std::string_view what) {
   return json.get<double>();
 }
 
-Outcome<Eigen::MatrixXd> matrix_of(const Json& json, std::size_t n) {
-  const auto wrong = [&] { return bad(fmt::format("covariance: expected {} rows of {}", n, n)); };
-  if (!json.is_array() || json.size() != n) return wrong();
-  Eigen::MatrixXd matrix(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!json[i].is_array() || json[i].size() != n) return wrong();
-    for (std::size_t j = 0; j < n; ++j) {
-      const auto number = number_of(json[i][j], "covariance");
+Outcome<Eigen::MatrixXd> matrix_of(const Json& json, std::string_view what, std::size_t rows,
+                                   std::size_t columns) {
+  const auto wrong = [&] {
+    return bad(fmt::format("{}: expected {} rows of {}", what, rows, columns));
+  };
+  if (!json.is_array() || json.size() != rows) return wrong();
+  Eigen::MatrixXd matrix(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (!json[i].is_array() || json[i].size() != columns) return wrong();
+    for (std::size_t j = 0; j < columns; ++j) {
+      const auto number = number_of(json[i][j], what);
       if (!number) return number.fault();
       matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = *number;
     }
@@ -341,8 +406,61 @@ Outcome<Eigen::MatrixXd> matrix_of(const Json& json, std::size_t n) {
   return matrix;
 }
 
+/// A number of a place or a column, from 0.
+std::optional<std::uint32_t> index_of_json(const Json& json) {
+  if (!json.is_number_unsigned() || json.get<std::uint64_t>() > UINT32_MAX) return std::nullopt;
+  return json.get<std::uint32_t>();
+}
+
+Outcome<std::vector<RecordedSource>> sources_of(const Json& json) {
+  std::vector<RecordedSource> sources;
+  for (const Json& entry : json) {
+    const auto column = index_of_json(member(entry, "column"));
+    const bool persistent = text_of(member(entry, "kind")) == "systematic";
+    const Json& tick = member(entry, "tick");
+    if (!member(entry, "owner").is_string() || !column ||
+        !(persistent || (tick.is_number_integer() && tick.get<std::int64_t>() >= 0)))
+      return bad(
+          fmt::format("source {}: expected an owner, a column, a kind and, of a random "
+                      "one, a tick",
+                      sources.size() + 1));
+    sources.push_back({std::string(text_of(entry["owner"])), *column,
+                       persistent ? persistent_tick : tick.get<std::int64_t>()});
+  }
+  return sources;
+}
+
+/// Reads the factor over so many common sources. Fault: bad_data, also where it gives another
+/// covariance than `covariance`.
+Outcome<> read_factor(const Json& json, std::size_t sources, const Eigen::MatrixXd& covariance,
+                      RecordedFeature& feature) {
+  constexpr double tolerance = 1e-6;  // of a correlation, as of a covariance
+  constexpr double largest = 1e100;   // so that nothing overflows
+  for (const Json& entry : member(json, "sources")) {
+    const auto place = index_of_json(entry);
+    if (!place || *place >= sources ||
+        (!feature.sources.empty() && *place <= feature.sources.back()))
+      return bad("factor: its sources are not places in the set's list, in their order");
+    feature.sources.push_back(*place);
+  }
+  auto factor =
+      matrix_of(member(json, "matrix"), "factor", feature.value.size(), feature.sources.size());
+  if (!factor) return factor.fault();
+  if (factor->size() > 0 && factor->cwiseAbs().maxCoeff() > largest)
+    return bad("factor: a number is too large");
+  const Eigen::MatrixXd squares = *factor * factor->transpose();
+  const Eigen::VectorXd deviation = squares.diagonal().cwiseSqrt();
+  if (((squares - covariance).array().abs() >
+       tolerance * (deviation * deviation.transpose()).array())
+          .any())
+    return bad("the factor gives another covariance than the covariance");
+  feature.factor = std::move(*factor);
+  return {};
+}
+
+/// `sources` is how many the set's features have in common; nothing where the file does not tell.
 Outcome<RecordedFeature> feature_of(const Json& json, const PayloadDescriptor& set,
-                                    std::string_view frame) {
+                                    std::string_view frame, std::optional<std::size_t> sources) {
   const auto type = find_type(text_of(member(json, "type")), set);
   if (!type) return type.fault();
   const PayloadDescriptor& payload = **type;
@@ -371,8 +489,14 @@ Outcome<RecordedFeature> feature_of(const Json& json, const PayloadDescriptor& s
     if (!value) return value.fault();
     feature.value.push_back(*value);
   }
-  const auto covariance = matrix_of(member(json, "covariance"), payload.components.size());
+  const std::size_t n = payload.components.size();
+  const auto covariance = matrix_of(member(json, "covariance"), "covariance", n, n);
   if (!covariance) return covariance.fault();
+  if (sources) {
+    if (auto read = read_factor(member(json, "factor"), *sources, *covariance, feature); !read)
+      return read.fault();
+    return feature;
+  }
   auto factor = covariance_factor(*covariance);
   if (!factor) return factor.fault();
   feature.factor = std::move(*factor);
@@ -409,8 +533,15 @@ Outcome<std::optional<RecordedSet>> parse_feature_json(std::string_view line,
   const Json& features = member(output, "features");
   if (!features.is_array()) return bad("features: expected a list");
   RecordedSet result{.time = *when};
+  std::optional<std::size_t> source_count;
+  if (const Json& sources = member(output, "sources"); sources.is_array()) {
+    auto read = sources_of(sources);
+    if (!read) return read.fault();
+    result.sources = std::move(*read);
+    source_count = result.sources.size();
+  }
   for (std::size_t i = 0; i < features.size(); ++i) {
-    auto feature = feature_of(features[i], set, frame);
+    auto feature = feature_of(features[i], set, frame, source_count);
     if (!feature) return bad(fmt::format("feature {}: {}", i + 1, feature.fault().message));
     result.features.push_back(std::move(*feature));
   }

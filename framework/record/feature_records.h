@@ -1,7 +1,9 @@
-// The formats in which feature sets are written: CSV, a row an element, and JSON, a set a line.
+// The formats in which feature sets are written and read: CSV, a row an element, and JSON, a set a
+// line.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,12 +14,23 @@
 
 namespace ilss {
 
-/// A feature as a file tells it. `factor` is M x K with covariance = factor factorᵀ, K its rank.
+/// A source of error as a file tells it: who owned it in the recorded system, and when it was drawn
+/// there; a persistent one is the same in all sets of the file.
+struct RecordedSource {
+  std::string owner;
+  std::uint32_t column = 0;
+  std::int64_t tick = 0;  ///< or `persistent_tick`
+};
+
+/// A feature as a file tells it. `factor` is M x K with covariance = factor factorᵀ. Where the file
+/// tells of sources, its columns are of `sources`, by their places in the set's list; otherwise
+/// they are errors of the feature's own, as many as its rank.
 struct RecordedFeature {
   const PayloadDescriptor* type = nullptr;
   std::vector<double> value = {};
   std::vector<int> labels = {};
   Eigen::MatrixXd factor = {};
+  std::vector<std::size_t> sources = {};
 };
 
 /// When a set was seen: its tick, and how long before that tick's time (s, not negative).
@@ -33,13 +46,25 @@ struct RecordedTime {
 /// (what a program that writes seven digits leaves of a singular one).
 Outcome<Eigen::MatrixXd> covariance_factor(const Eigen::MatrixXd& covariance);
 
-/// The columns of a CSV file of features, as `ilss run --features` writes them.
+/// The columns of a CSV file of features: `tick, time, acquired, frame, type`, a column for every
+/// label and every component of a set's element types, then `covariance.A.B` for every two
+/// components A and B of one type (the upper triangle, in the order of the components). What an
+/// element's type does not have is empty. Two elements' common errors have no place here.
 class FeatureColumns {
  public:
   struct Row {
     RecordedTime time;
     RecordedFeature feature;
   };
+
+  /// All columns of a set that declares the types of its elements, to write.
+  explicit FeatureColumns(const PayloadDescriptor& set);
+
+  /// The header's line.
+  std::string header() const;
+  /// An element's line; `leading` is its tick, time and time of acquisition.
+  /// @throws std::invalid_argument where its type is none of the set's.
+  std::string line(std::string_view leading, const Estimate& element) const;
 
   /// Reads the header. `set` declares the types of elements. Columns of other names are left alone.
   /// Faults: device_lost where `tick` or `type` is missing, a name comes twice, or a covariance is
@@ -64,6 +89,9 @@ class FeatureColumns {
   };
   class Cells;
 
+  FeatureColumns() = default;
+  void place_types(const PayloadDescriptor& set,
+                   const std::function<std::size_t(const std::string&)>& place);
   Outcome<RecordedFeature> read_feature(const Type& type, const Cells& cells) const;
 
   std::vector<std::string> names_;
@@ -76,10 +104,13 @@ class FeatureColumns {
 struct RecordedSet {
   RecordedTime time = {};
   std::vector<RecordedFeature> features = {};
+  std::vector<RecordedSource> sources = {};  ///< that features have in common, where told
 };
 
 /// Reads a line of JSON: a tick's object as `ilss run --json` prints it or `--features` writes it,
-/// with its set in `frame`. Nothing for a line of an array's brackets or a tick without an output.
+/// with its set in `frame`. `sources` and each feature's `factor` over them may be absent, as in
+/// files of other programs; then each feature has its covariance alone. Nothing for a line of an
+/// array's brackets or a tick without an output.
 /// Faults: bad_data.
 Outcome<std::optional<RecordedSet>> parse_feature_json(std::string_view line,
                                                        const PayloadDescriptor& set,

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "framework/estimate/budget.h"
 #include "framework/report/estimate_text.h"
@@ -37,6 +39,37 @@ Json samples_json(const Samples& samples, const SamplesDescriptor& declared) {
   return {{"shape", shape}, {"columns", std::move(columns)}};
 }
 
+/// The sources of error that the elements of a set have in common, each once.
+std::vector<Source> common_sources(const Elements& elements) {
+  std::vector<Source> sources;
+  for (const Estimate& element : elements)
+    sources.insert(sources.end(), element.lineage.sources().begin(),
+                   element.lineage.sources().end());
+  std::sort(sources.begin(), sources.end());
+  sources.erase(std::unique(sources.begin(), sources.end()), sources.end());
+  return sources;
+}
+
+Json sources_json(std::span<const Source> sources, const SourceOwners& owners) {
+  Json list = Json::array();
+  for (const Source& source : sources) {
+    Json entry = {{"owner", owners[source.owner].name},
+                  {"column", source.column},
+                  {"kind", source.persistent() ? "systematic" : "random"}};
+    if (!source.persistent()) entry["tick"] = source.tick;
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+/// An element's lineage: which of the common sources it has, and its factor over these.
+Json factor_json(const Lineage& lineage, std::span<const Source> sources) {
+  Json places = Json::array();
+  for (const Source& source : lineage.sources())
+    places.push_back(std::lower_bound(sources.begin(), sources.end(), source) - sources.begin());
+  return {{"sources", std::move(places)}, {"matrix", matrix_json(lineage.factor())}};
+}
+
 /// What was found on an estimate's first-order error.
 void add_verdict(const Estimate& estimate, const VerdictReport* verdict, Json& json) {
   json["verdict"] = nullptr;
@@ -61,9 +94,14 @@ Json one_output_json(const Output& output, const SourceOwners& owners,
   if (!output.estimate.type->element.empty()) {
     VerdictReport of_set;
     if (verdict != nullptr) of_set.verdict = verdict->verdict;
+    const std::vector<Source> sources = common_sources(output.elements);
+    json["sources"] = sources_json(sources, owners);
     Json features = Json::array();
-    for (const Estimate& element : output.elements)
-      features.push_back(estimate_json(element, owners, verdict == nullptr ? nullptr : &of_set));
+    for (const Estimate& element : output.elements) {
+      Json feature = estimate_json(element, owners, verdict == nullptr ? nullptr : &of_set);
+      feature["factor"] = factor_json(element.lineage, sources);
+      features.push_back(std::move(feature));
+    }
     json["features"] = std::move(features);
   }
   return json;

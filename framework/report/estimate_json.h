@@ -28,7 +28,7 @@ Json monte_carlo_json(const MonteCarloOutput& result);
 Json fault_json(const Fault& fault, const std::string& module);
 
 /// The outputs of a system after a tick: one ESTIMATE, or {"outputs", "cross_covariance"}; null
-/// where there is none.
+/// where there is none. A set has "sources", and each of its "features" the "factor" over them.
 Json outputs_json(const TickView& tick);
 
 Json time_json(const TimePrediction& time, const Plan& plan);

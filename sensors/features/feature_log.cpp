@@ -40,6 +40,7 @@ void FeatureLog::reset() {
   next_ = first_;
   last_tick_ = -1;
   any_ = false;
+  given_ticks_.clear();
   skipped_ = {};
 }
 
@@ -131,8 +132,25 @@ Outcome<std::optional<RecordedSet>> FeatureLog::read_rows() {
   return std::optional(std::move(set));
 }
 
+/// The recorded source as one of this module's: the same one always, and no other.
+Source FeatureLog::source_of(const RecordedSource& recorded) {
+  const auto next = static_cast<std::uint32_t>(columns_of_sources_.size());
+  const std::uint32_t column =
+      columns_of_sources_.try_emplace({recorded.owner, recorded.column}, next).first->second;
+  if (recorded.tick == persistent_tick) return {owner_, column, persistent_tick};
+  // Of a tick that gave no set itself: before all others.
+  constexpr std::int64_t before_the_first = persistent_tick - 1;
+  const auto given = given_ticks_.find(recorded.tick);
+  return {owner_, column,
+          given != given_ticks_.end() ? given->second : before_the_first - recorded.tick};
+}
+
 void FeatureLog::emit(const Evaluation& evaluation, const RecordedSet& set, Output& output) {
   double segments = 0;
+  owner_ = evaluation.owner;
+  if (!set.sources.empty()) given_ticks_[set.time.tick] = evaluation.tick;
+  std::vector<Source> sources;
+  for (const RecordedSource& source : set.sources) sources.push_back(source_of(source));
   output.elements.resize(set.features.size());
   for (std::size_t i = 0; i < set.features.size(); ++i) {
     const RecordedFeature& feature = set.features[i];
@@ -142,11 +160,14 @@ void FeatureLog::emit(const Evaluation& evaluation, const RecordedSet& set, Outp
     element.value = feature.value;
     element.labels = feature.labels;
     element.lineage.reset(feature.value.size());
-    for (Eigen::Index k = 0; k < feature.factor.cols(); ++k)
+    for (Eigen::Index k = 0; k < feature.factor.cols(); ++k) {
+      const auto column = static_cast<std::uint32_t>(k);
       element.lineage.add(
-          evaluation.fresh(columns_of_element * static_cast<std::uint32_t>(i) +
-                           static_cast<std::uint32_t>(k)),
+          feature.sources.empty()
+              ? evaluation.fresh(columns_of_element * static_cast<std::uint32_t>(i) + column)
+              : sources[feature.sources[column]],
           std::span<const double>(feature.factor.col(k).data(), feature.value.size()));
+    }
     if (feature.type == &descriptor<LineSegment>() || feature.type == &descriptor<ArcSegment>())
       ++segments;
   }

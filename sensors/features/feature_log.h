@@ -3,10 +3,12 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "framework/module/module_type.h"
 #include "framework/record/feature_records.h"
@@ -20,10 +22,12 @@ namespace ilss {
 /// gzip. Rows of CSV that stand together and have one tick are a set. A tick that gave no set is
 /// left out; ages (the time between acquisition and tick) are as recorded.
 ///
-/// Each element has its covariance, singular or not, as fresh random sources of this module. What
-/// the elements shared with each other, with other ticks and with other outputs, such as a mount's
-/// error, is not in the file: all elements say that their correlation is unknown, and fusion then
-/// keeps to covariance intersection.
+/// JSON tells which sources of error the elements of a set share, with each other and with other
+/// sets of the file: a corner stays correlated with its lines, and a mount's error is one for all
+/// ticks. CSV and files of other programs do not tell; there each element has its covariance,
+/// singular or not, as fresh random sources of its own. What elements share with other outputs is
+/// in no file: all say that their correlation is unknown, and fusion then keeps to covariance
+/// intersection.
 /// Faults, with file and line: bad_data where a row or line has a wrong count of cells, an unknown
 /// type or label, another frame, no number where one belongs, a tick before the last one, or a
 /// covariance that is not symmetric or not positive semidefinite; then the whole set is the fault,
@@ -60,7 +64,8 @@ class FeatureLog final : public Module {
   bool is_left_out(std::string_view line) const;
   Fault at_line(std::size_t line, const Fault& fault) const;
   Fault out_of_order(std::int64_t tick) const;
-  static void emit(const Evaluation& evaluation, const RecordedSet& set, Output& output);
+  Source source_of(const RecordedSource& recorded);
+  void emit(const Evaluation& evaluation, const RecordedSet& set, Output& output);
 
   Options options_;
   std::shared_ptr<const TextLog> log_;
@@ -70,6 +75,9 @@ class FeatureLog final : public Module {
   std::int64_t last_tick_ = -1;
   bool any_ = false;  ///< set or fault given
   SkippedLines skipped_;
+  std::uint32_t owner_ = 0;  ///< this module, of sources
+  std::map<std::pair<std::string, std::uint32_t>, std::uint32_t> columns_of_sources_;
+  std::map<std::int64_t, std::int64_t> given_ticks_;  ///< by the recorded ones
 };
 
 }  // namespace ilss

@@ -46,7 +46,7 @@ void expect_the_two_walls(const Runner& runner, const Plan& plan, int tick) {
 void schedule(Runner& runner, const Plan& plan, const std::string& name, double value,
               double time) {
   for (std::size_t i = 0; i < plan.commands.size(); ++i)
-    if (plan.commands[i].name == name) return runner.schedule({i, value, time});
+    if (plan.commands[i].name == name) return runner.schedule({i, value, time_at(time)});
   FAIL() << name;
 }
 

@@ -12,7 +12,7 @@ namespace ilss {
 namespace {
 
 template <typename T>
-struct Place {
+struct HeldPlace {
   T x, z;
   static constexpr std::string_view name = "contract_place";
   static constexpr auto fields = Fields{{"x", "m"}, {"z", "m"}};
@@ -22,31 +22,31 @@ struct Beam {
   static constexpr auto columns = Columns{column(&Beam::range, "range", "m")};
 };
 template <typename T>
-struct Scan {
+struct HeldScan {
   T noise;
   static constexpr std::string_view name = "contract_scan";
   static constexpr auto fields = Fields{{"noise", "m"}};
   static SamplesDescriptor samples() { return samples_of_rows<Beam>("beam"); }
 };
 template <typename T>
-struct Places {
+struct HeldPlaces {
   T count;
   static constexpr std::string_view name = "contract_places";
   static constexpr auto fields = Fields{{"count", "1"}};
   static constexpr std::string_view element = "contract_place";
-  static std::vector<const PayloadDescriptor*> elements() { return {&descriptor<Place>()}; }
+  static std::vector<const PayloadDescriptor*> elements() { return {&descriptor<HeldPlace>()}; }
 };
 
 Output scan() {
   Output output;
-  output.estimate = Estimate(descriptor<Scan>());
+  output.estimate = Estimate(descriptor<HeldScan>());
   make_rows<Beam>(output, 20);
   return output;
 }
 Output places() {
   Output output;
-  output.estimate = Estimate(descriptor<Places>());
-  for (int i = 0; i < 3; ++i) output.elements.push_back(Estimate(descriptor<Place>()));
+  output.estimate = Estimate(descriptor<HeldPlaces>());
+  for (int i = 0; i < 3; ++i) output.elements.push_back(Estimate(descriptor<HeldPlace>()));
   return output;
 }
 
@@ -72,10 +72,12 @@ class Copier final : public Module {
  public:
   static constexpr std::string_view name = "copier", description = "for tests";
   static constexpr ModuleKind kind = ModuleKind::function;
-  static Interface interface() { return {{{"in", &descriptor<Places>()}}, &descriptor<Places>()}; }
+  static Interface interface() {
+    return {{{"in", &descriptor<HeldPlaces>()}}, &descriptor<HeldPlaces>()};
+  }
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override {
     output.elements.resize(evaluation.inputs[0]->elements.size());
-    for (Estimate& element : output.elements) element = Estimate(descriptor<Place>());
+    for (Estimate& element : output.elements) element = Estimate(descriptor<HeldPlace>());
     output.estimate.value = evaluation.input(0).value;
     output.estimate.lineage.reset(1);
     return {};
@@ -88,9 +90,11 @@ class Statement final : public Module {
   static constexpr std::string_view name = "statement", description = "for tests";
   static constexpr ModuleKind kind = ModuleKind::function;
   static constexpr bool states_no_error = true;
-  static Interface interface() { return {{{"in", &descriptor<Places>()}}, &descriptor<Places>()}; }
+  static Interface interface() {
+    return {{{"in", &descriptor<HeldPlaces>()}}, &descriptor<HeldPlaces>()};
+  }
   Outcome<> evaluate(const Evaluation&, Output& output) override {
-    assign<Places>(output.estimate, {1});
+    assign<HeldPlaces>(output.estimate, {1});
     return {};
   }
 };
@@ -98,8 +102,8 @@ class Statement final : public Module {
 Plan plan_of(const std::string& text) {
   static const Registry& registry = *[] {
     auto* r = new Registry;
-    r->add<Giver<Scan>>();
-    r->add<Giver<Places>>();
+    r->add<Giver<HeldScan>>();
+    r->add<Giver<HeldPlaces>>();
     r->add<Copier>();
     r->add<Statement>();
     return r;
@@ -112,10 +116,10 @@ Plan plan_of(const std::string& text) {
 }
 
 TEST(System, ARangeOrACornerThatIsNotFiniteIsTheFaultNotFinite) {
-  Giver<Scan>::given = scan();
-  make_rows<Beam>(Giver<Scan>::given, 20)[7].range = std::nan("");
-  Giver<Places>::given = places();
-  Giver<Places>::given.elements[0].value[0] = std::nan("");
+  Giver<HeldScan>::given = scan();
+  make_rows<Beam>(Giver<HeldScan>::given, 20)[7].range = std::nan("");
+  Giver<HeldPlaces>::given = places();
+  Giver<HeldPlaces>::given.elements[0].value[0] = std::nan("");
   for (const std::string module : {"contract_scan", "contract_places"}) {
     const Plan plan = plan_of("modules: {m: {type: " + module + "}}\nnetwork: m\n");
     System system(plan, 1);
@@ -130,8 +134,8 @@ TEST(CarriedCorrelation, GoesOnThroughAModuleThatSaysNothingAndEndsWithItsCause)
       "modules: {a: {type: contract_places}, b: {type: copier}}\nnetwork: {serial: [a, b]}\n");
   System system(plan, 1);
   for (const bool unknown : {false, true, false}) {
-    Giver<Places>::given = places();
-    Giver<Places>::given.estimate.correlation_unknown = unknown;
+    Giver<HeldPlaces>::given = places();
+    Giver<HeldPlaces>::given.estimate.correlation_unknown = unknown;
     system.evaluate(time_at(static_cast<double>(system.ticks())));
     for (const std::size_t node : {0, 1}) {
       const Output& output = system.node(node).output();
@@ -145,21 +149,21 @@ TEST(CarriedCorrelation, GoesOnThroughAModuleThatSaysNothingAndEndsWithItsCause)
 TEST(CarriedCorrelation, OfOneElementIsTheSets) {
   const Plan plan = plan_of("modules: {a: {type: contract_places}}\nnetwork: a\n");
   System system(plan, 1);
-  Giver<Places>::given = places();
-  Giver<Places>::given.elements[1].correlation_unknown = true;
+  Giver<HeldPlaces>::given = places();
+  Giver<HeldPlaces>::given.elements[1].correlation_unknown = true;
   system.evaluate({});
   EXPECT_TRUE(system.node(0).output().estimate.correlation_unknown);
   EXPECT_TRUE(system.node(0).output().elements[0].correlation_unknown);
 }
 
 TEST(CarriedCorrelation, OfAHeldOutputStays) {
-  Giver<Places> giver;
-  Giver<Places>::given = places();
-  Giver<Places>::given.estimate.correlation_unknown = true;
+  Giver<HeldPlaces> giver;
+  Giver<HeldPlaces>::given = places();
+  Giver<HeldPlaces>::given.estimate.correlation_unknown = true;
   Output output = places();
   const Estimate none(no_parameters());
   const Evaluation evaluation{.parameters = none, .inputs = {}};
-  const ModuleType type = module_type<Giver<Places>>();
+  const ModuleType type = module_type<Giver<HeldPlaces>>();
   const auto evaluate = [&] { return giver.evaluate(evaluation, output); };
   ASSERT_TRUE(carry_correlation(type, evaluation, output, evaluate));
   ASSERT_TRUE(output.estimate.correlation_unknown);
@@ -174,8 +178,8 @@ TEST(CarriedCorrelation, EndsAtAStatementWithoutAnError) {
   const Plan plan = plan_of(
       "modules: {a: {type: contract_places}, b: {type: statement}}\nnetwork: {serial: [a, b]}\n");
   System system(plan, 1);
-  Giver<Places>::given = places();
-  Giver<Places>::given.estimate.correlation_unknown = true;
+  Giver<HeldPlaces>::given = places();
+  Giver<HeldPlaces>::given.estimate.correlation_unknown = true;
   system.evaluate({});
   EXPECT_TRUE(system.node(0).output().estimate.correlation_unknown);
   EXPECT_FALSE(system.node(1).output().estimate.correlation_unknown);

@@ -17,7 +17,7 @@ inline constexpr std::string_view corner_sides[] = {"left", "right"};
 inline constexpr LabelField corner_sides_labels[] = {{"side", corner_sides}};
 
 template <typename T>
-struct Place {
+struct CheckedPlace {
   T x, z;
   std::array<int, 1> label{};
   static constexpr std::string_view name = "contract_place";
@@ -34,7 +34,7 @@ struct Beam {
               column(&Beam::echo, "echo", "1", "", Missing::allowed)};
 };
 template <typename T>
-struct Scan {
+struct CheckedScan {
   T noise;
   static constexpr std::string_view name = "contract_scan";
   static constexpr auto fields = Fields{{"noise", "m"}};
@@ -47,19 +47,19 @@ struct PlainBeam {
                                           column(&PlainBeam::range, "range", "m")};
 };
 template <typename T>
-struct PlainScan {
+struct PlainCheckedScan {
   T noise;
   static constexpr std::string_view name = "contract_plain_scan";
   static constexpr auto fields = Fields{{"noise", "m"}};
   static SamplesDescriptor samples() { return samples_of_rows<PlainBeam>("beam"); }
 };
 template <typename T>
-struct Places {
+struct CheckedPlaces {
   T count;
   static constexpr std::string_view name = "contract_places";
   static constexpr auto fields = Fields{{"count", "1"}};
   static constexpr std::string_view element = "contract_place";
-  static std::vector<const PayloadDescriptor*> elements() { return {&descriptor<Place>()}; }
+  static std::vector<const PayloadDescriptor*> elements() { return {&descriptor<CheckedPlace>()}; }
 };
 
 template <template <typename> class Payload>
@@ -69,18 +69,18 @@ Output output_of() {
   return output;
 }
 Output scan() {
-  Output output = output_of<Scan>();
+  Output output = output_of<CheckedScan>();
   for (Beam& beam : make_rows<Beam>(output, 20)) beam = {1, 2, std::nanf("")};
   return output;
 }
 Output plain_scan() {
-  Output output = output_of<PlainScan>();
+  Output output = output_of<PlainCheckedScan>();
   for (PlainBeam& beam : make_rows<PlainBeam>(output, 21)) beam = {1, 2};
   return output;
 }
 Output places() {
-  Output output = output_of<Places>();
-  for (int i = 0; i < 3; ++i) output.elements.push_back(Estimate(descriptor<Place>()));
+  Output output = output_of<CheckedPlaces>();
+  for (int i = 0; i < 3; ++i) output.elements.push_back(Estimate(descriptor<CheckedPlace>()));
   return output;
 }
 
@@ -93,7 +93,7 @@ TEST(Contract, IsKeptByOutputsAsTheirPayloadsDeclareThem) {
   EXPECT_EQ(breach_of(scan()), Breach::none);
   EXPECT_EQ(breach_of(plain_scan()), Breach::none);
   EXPECT_EQ(breach_of(places()), Breach::none);
-  EXPECT_EQ(breach_of(output_of<Scan>()), Breach::none) << "samples may be absent";
+  EXPECT_EQ(breach_of(output_of<CheckedScan>()), Breach::none) << "samples may be absent";
 }
 
 TEST(Contract, ASampleThatIsNotFiniteIsABreachWhereverItStands) {
@@ -151,7 +151,7 @@ TEST(Contract, AnElementThatIsNotFiniteIsABreach) {
 TEST(Contract, AnElementThatItsSetDoesNotDeclareIsABreach) {
   const std::vector<std::function<void(Output&)>> changes = {
       [](Output& o) { o.elements[0].type = nullptr; },
-      [](Output& o) { o.elements[0] = Estimate(descriptor<Places>()); },
+      [](Output& o) { o.elements[0] = Estimate(descriptor<CheckedPlaces>()); },
       [](Output& o) { o.elements[0].value.pop_back(); },
       [](Output& o) { o.elements[0].lineage.reset(1); },
       [](Output& o) { o.elements[0].labels.clear(); },
@@ -163,7 +163,7 @@ TEST(Contract, AnElementThatItsSetDoesNotDeclareIsABreach) {
     EXPECT_EQ(breach_of(output), Breach::other_shape) << i;
   }
   Output output = scan();
-  output.elements.push_back(Estimate(descriptor<Place>()));
+  output.elements.push_back(Estimate(descriptor<CheckedPlace>()));
   EXPECT_EQ(breach_of(output), Breach::other_shape) << "of a payload that is no set";
 }
 

@@ -38,7 +38,7 @@ struct FineBeam {
   static constexpr auto columns = Columns{column(&FineBeam::range, "range", "m")};
 };
 template <typename T>
-struct Scan {
+struct CoarseScan {
   T noise;
   static constexpr std::string_view name = "registry_scan";
   static constexpr auto fields = Fields{{"noise", "m"}};
@@ -68,7 +68,7 @@ struct OtherRadians : Identity<Radians> {
 struct OtherCircular : Identity<CircularMetres> {
   static constexpr std::string_view name = "other";
 };
-struct OfScans : Identity<Scan> {
+struct OfScans : Identity<CoarseScan> {
   static constexpr std::string_view name = "of_scans";
 };
 struct OfFineScans : Identity<FineScan> {

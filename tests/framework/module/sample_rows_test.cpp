@@ -49,7 +49,7 @@ struct Padded {
 static_assert(!SampleRow<Padded>, "a row has no bytes that are in no column");
 
 template <typename T>
-struct Scan {
+struct EchoScan {
   T noise;
   static constexpr std::string_view name = "rows_scan";
   static constexpr auto fields = Fields{{"noise", "m"}};
@@ -63,14 +63,14 @@ struct OtherBeam {
       Columns{column(&OtherBeam::range, "range", "m"), column(&OtherBeam::slope, "slope", "1")};
 };
 
-Output scan() {
+Output echo_scan() {
   Output output;
-  output.estimate = Estimate(descriptor<Scan>());
+  output.estimate = Estimate(descriptor<EchoScan>());
   return output;
 }
 
 TEST(SampleRows, ArePartOfThePayload) {
-  const SamplesDescriptor& samples = *descriptor<Scan>().samples;
+  const SamplesDescriptor& samples = *descriptor<EchoScan>().samples;
   EXPECT_EQ(samples.axes, std::vector<std::string>{"beam"});
   EXPECT_EQ(samples.bytes(), sizeof(Beam));
   ASSERT_EQ(samples.columns.size(), 4u);
@@ -83,7 +83,7 @@ TEST(SampleRows, ArePartOfThePayload) {
 }
 
 TEST(SampleRows, AreReadAsTheyWereWritten) {
-  Output output = scan();
+  Output output = echo_scan();
   const std::span<Beam> written = make_rows<Beam>(output, 3);
   for (std::size_t i = 0; i < written.size(); ++i)
     written[i] = {1.5 * static_cast<double>(i), {0.25f, 2}, 7, {1, 2, 3, 4, 5, 6}};
@@ -96,13 +96,13 @@ TEST(SampleRows, AreReadAsTheyWereWritten) {
 }
 
 TEST(SampleRows, ThatAreThereStayWhenThereAreFewer) {
-  Output output = scan();
+  Output output = echo_scan();
   make_rows<Beam>(output, 3)[1].range = 8;
   EXPECT_EQ(make_rows<Beam>(output, 2)[1].range, 8);
 }
 
 TEST(SampleRows, OfAnotherLayoutThanThePayloadsAreRefused) {
-  Output output = scan();
+  Output output = echo_scan();
   EXPECT_THROW((void)make_rows<OtherBeam>(output, 3), std::logic_error);
   make_rows<Beam>(output, 3);
   EXPECT_THROW((void)rows_of<OtherBeam>(output), std::logic_error);
@@ -110,17 +110,17 @@ TEST(SampleRows, OfAnotherLayoutThanThePayloadsAreRefused) {
 }
 
 TEST(SampleRows, ThatAreCutAreRefused) {
-  Output output = scan();
+  Output output = echo_scan();
   make_rows<Beam>(output, 3);
   output.samples.bytes.pop_back();
   EXPECT_THROW((void)rows_of<Beam>(output), std::logic_error);
 }
 
-TEST(IndexOf, IsAComponentsPlace) { static_assert(index_of<Scan>("noise") == 0); }
+TEST(IndexOf, IsAComponentsPlace) { static_assert(index_of<EchoScan>("noise") == 0); }
 
 TEST(Elements, KeepTheBuffersOfThoseThatTheyLose) {
-  Elements elements(std::initializer_list<Estimate>{Estimate(descriptor<Scan>(), "frame"),
-                                                    Estimate(descriptor<Scan>(), "frame")});
+  Elements elements(std::initializer_list<Estimate>{Estimate(descriptor<EchoScan>(), "frame"),
+                                                    Estimate(descriptor<EchoScan>(), "frame")});
   const double* const buffer = elements[1].value.data();
   elements.resize(1);
   elements.resize(2);
@@ -131,7 +131,7 @@ TEST(Elements, KeepTheBuffersOfThoseThatTheyLose) {
 TEST(Elements, ComeBackBlank) {
   Elements elements;
   Estimate& element = elements.emplace_back();
-  element = Estimate(descriptor<Scan>(), "frame");
+  element = Estimate(descriptor<EchoScan>(), "frame");
   element.lineage.add({1, 0, 0}, 0, 1.0);
   element.correlation_unknown = true;
   elements.clear();
@@ -143,7 +143,7 @@ TEST(Elements, ComeBackBlank) {
 }
 
 TEST(Elements, ThatAreMovedLeaveNoneBehind) {
-  Elements elements(std::initializer_list<Estimate>{Estimate(descriptor<Scan>())});
+  Elements elements(std::initializer_list<Estimate>{Estimate(descriptor<EchoScan>())});
   const Elements taken = std::move(elements);
   EXPECT_EQ(taken.size(), 1u);
   EXPECT_EQ(elements.size(), 0u);  // NOLINT(bugprone-use-after-move): what is tested

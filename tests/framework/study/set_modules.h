@@ -127,14 +127,14 @@ class SetReading final : public Module {
       }
     };
     for (const PieceOption& piece : options_.pieces) {
-      output.elements.emplace_back(descriptor<Piece>(), output.estimate.frame);
+      output.elements.push_back(Estimate(descriptor<Piece>(), output.estimate.frame));
       assign<Piece>(output.elements.back(),
                     {piece.position, piece.slope, static_cast<double>(piece.first),
                      static_cast<double>(piece.last)});
       finish(2);
     }
     for (const SpotOption& spot : options_.spots) {
-      output.elements.emplace_back(descriptor<Spot>(), output.estimate.frame);
+      output.elements.push_back(Estimate(descriptor<Spot>(), output.estimate.frame));
       assign<Spot>(output.elements.back(), {spot.x, spot.z, {static_cast<int>(spot.colour)}});
       finish(2);
     }

@@ -90,7 +90,7 @@ inline Outcome<> run(Module& module, const Estimate& parameters, const Output* i
                      std::uint64_t seed, Output& output, std::uint32_t owner = 1) {
   const std::array<const Output*, 1> inputs = {input};
   const Evaluation evaluation{
-      static_cast<std::int64_t>(seed & 0xffff),   0, seed, owner, parameters,
+      static_cast<std::int64_t>(seed & 0xffff),   {}, seed, owner, parameters,
       {inputs.data(), input == nullptr ? 0u : 1u}};
   return module.evaluate(evaluation, output);
 }

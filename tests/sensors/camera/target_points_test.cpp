@@ -212,12 +212,12 @@ TEST(TargetPoints, ExpectedErrorIsThatOfMeasuredImages) {
   Measurement measure(rig);
   ASSERT_TRUE(measure(3));
   const Estimate none;
-  const Evaluation for_camera{0, 0, 1, 1, rig.parameters, {}};
+  const Evaluation for_camera{0, {}, 1, 1, rig.parameters, {}};
   Output image = measure.image;
   ASSERT_TRUE(measure.camera->expect(for_camera, nullptr, image));
   const std::array<const Output*, 1> inputs = {&image};
   Output expected = measure.rows;
-  const Evaluation for_points{0, 0, 1, 2, none, inputs};
+  const Evaluation for_points{0, {}, 1, 2, none, inputs};
   ASSERT_TRUE(measure.points.expect(for_points, nullptr, expected));
   for (std::size_t i = 0; i < 3; ++i)
     EXPECT_NEAR(expected.estimate.lineage.standard_deviation(i) /
@@ -232,7 +232,7 @@ TEST(TargetPoints, AtAnOperatingPointTheErrorIsRowStdOrNotKnown) {
   point.estimate.value = {1e-3, 1.1e-3, 1.2e-3};
   const Estimate none;
   const std::array<const Output*, 1> inputs = {&point};
-  const Evaluation evaluation{0, 0, 1, 2, none, inputs};
+  const Evaluation evaluation{0, {}, 1, 2, none, inputs};
   Output output = point;
   const auto unknown = TargetPoints({}).expect(evaluation, &point, output);
   ASSERT_TRUE(unknown.is_fault());

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "tests/allocation_count.h"
 #include "tests/sensors/module_run.h"
 
 namespace ilss {
@@ -64,7 +65,7 @@ PlanarPose<double> random_pose(std::mt19937_64& draw) {
 
 Output set_of(const std::vector<Estimate>& features) {
   Output set = output_of<RangeFeatures>({2});
-  set.elements = features;
+  for (const Estimate& feature : features) set.elements.push_back(feature);
   return set;
 }
 
@@ -278,6 +279,29 @@ TEST(FeaturesTransform, AMountOnAPoseIsOneAfterTheOther) {
     EXPECT_LT(difference(a, b.value).cwiseAbs().maxCoeff(), 1e-12);
     EXPECT_LT((a.lineage.covariance() - b.lineage.covariance()).cwiseAbs().maxCoeff(), 1e-12);
   }
+}
+
+TEST(FeaturesTransform, AllocatesNothingWhileSetsShrinkAndGrow) {
+  SKIP_UNLESS_ALLOCATIONS_ARE_COUNTED();
+  std::mt19937_64 draw(11);
+  Output set = set_of(random_features(draw));
+  const Output mount = mount_of({0.2, -0.1, 0.3}, 0.01);
+  FeaturesTransform module({});
+  Tick tick;
+  tick.parameters = mount.estimate;
+  tick.inputs = {&set};
+  const Elements all = set.elements;
+  Output output;
+  std::size_t before = 0;
+  for (std::size_t i = 0; i < 100; ++i) {
+    set.elements = all;
+    set.elements.resize(all.size() - i % 4);
+    if (i == 10) before = allocation_count;
+    const Outcome<> outcome = module.evaluate(tick.evaluation(), output);
+    ASSERT_TRUE(outcome);
+    EXPECT_EQ(output.elements.size(), set.elements.size());
+  }
+  EXPECT_EQ(allocation_count - before, 0u);
 }
 
 TEST(FeaturesTransform, WhereCorrelationIsUnknownTheCovarianceIsNotBelowWhatItCouldBe) {
