@@ -29,6 +29,21 @@ struct LaserArcFit {
   }
 };
 
+/// What a caller asks of an arc.
+struct ArcLimits {
+  double least_radius = 0;          ///< m
+  double largest_radius = INFINITY;  ///< m
+  double most_chi_squared = INFINITY;
+};
+
+/// Whether it is certain, without a fit, that no circle within these limits goes through the
+/// readings. With e the distance of a point p from a circle about c, |p - c|² - R² = e (2 R + e);
+/// the sum of the left side's squares is at least K, that of the algebraic circle (Kåsa), and so
+///   sum e² >= K / (2 R + max |e|)².
+/// Nothing is certain where bearings are noisy: a beam's part in chi² then has no such bound.
+bool exceeds_limits(std::span<const ScanPoint> points, const LaserNoise& noise,
+                    const ArcLimits& limits);
+
 /// The circle that makes the readings most likely (Núñez et al. 2009, sec. 3.2: the distances from
 /// the circle, each weighted by its reading's uncertainty ellipse there). With n the circle's
 /// normal where beam d meets it at range R_i,
@@ -37,10 +52,11 @@ struct LaserArcFit {
 /// circle (the last 2.5 % of its radius) are taken by their points p_i, |p_i - c| - |radius|, less
 /// t_i² / (2 |radius|), by which the variance t_i² across the normal lengthens the distance. By
 /// Levenberg-Marquardt from the algebraic circle of the points; full 3x3 covariance. `biases` as
-/// for a line. Nothing where fewer than four readings are given, they lie on a line or the
-/// iteration does not settle.
+/// for a line. Nothing where fewer than four readings are given, they lie on a line, the iteration
+/// does not settle, or it is certain beforehand that the circle is not within the limits.
 std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, const LaserNoise& noise,
-                                         const UncertainBiases& biases = {});
+                                         const UncertainBiases& biases = {},
+                                         const ArcLimits& limits = {});
 
 /// How far a reading is off the circle, in squared standard deviations.
 double squared_residual(const LaserArcFit& arc, const ScanPoint& p, const LaserNoise& noise);

@@ -104,6 +104,11 @@ Normal total_least_squares(std::span<const ScanPoint> points) {
   return {best.normal_x, best.normal_y, rho};
 }
 
+struct Direction {
+  double cosine;
+  double sine;
+};
+
 struct Step {
   double rho;
   double alpha;
@@ -145,10 +150,17 @@ Bend bend_of(const Sums<double>& s) {
   return bend;
 }
 
+/// The unit vector at an angle: by its series where that is exact, as after a first step.
+Direction direction_at(double angle) {
+  if (!(std::abs(angle) < 0.01)) return {std::cos(angle), std::sin(angle)};
+  const double square = angle * angle;
+  return {1 - square / 2 * (1 - square / 12 * (1 - square / 30)),
+          angle * (1 - square / 6 * (1 - square / 20 * (1 - square / 42)))};
+}
+
 void turn(Normal& line, const Step& step) {
   // Turned by a small angle about the foot of the perpendicular, which is where g counts from.
-  const double cosine = std::cos(step.alpha);
-  const double sine = std::sin(step.alpha);
+  const auto [cosine, sine] = direction_at(step.alpha);
   line = {line.cosine * cosine - line.sine * sine, line.sine * cosine + line.cosine * sine,
           line.rho + step.rho};
 }
@@ -192,6 +204,8 @@ std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
       LaserLineFit fit;
       fit.rho = line.rho;
       fit.alpha = wrap_angle(std::atan2(line.sine, line.cosine));
+      fit.cosine = line.cosine;
+      fit.sine = line.sine;
       fit.covariance << sums.wgg, -sums.wg, -sums.wg, sums.w;
       fit.covariance /= determinant;
       fit.chi_squared = std::max(0.0, sums.wee - step.gain);
@@ -210,10 +224,8 @@ std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
 }
 
 double squared_residual(const LaserLineFit& line, const ScanPoint& p, const LaserNoise& noise) {
-  const double normal_x = std::cos(line.alpha);
-  const double normal_y = std::sin(line.alpha);
-  const double c = normal_x * p.cosine + normal_y * p.sine;
-  const double s = normal_y * p.cosine - normal_x * p.sine;
+  const double c = line.cosine * p.cosine + line.sine * p.sine;
+  const double s = line.sine * p.cosine - line.cosine * p.sine;
   if (!(c > 0)) return INFINITY;
   const double g = line.rho / c * s;
   const double e = p.range * c - line.rho;

@@ -9,8 +9,9 @@
 namespace ilss {
 bool BreakpointRule::breaks(double range_before, double range, double step) {
   // The steps of a scan are alike but for rounding, so that the last one's numbers serve again.
-  if (!(std::abs(step - step_) < 1e-9 * std::abs(step_))) {
+  if (!(std::abs(step - step_) < tolerance_)) {
     step_ = step;
+    tolerance_ = 1e-9 * std::abs(step);
     const double angle = std::abs(step);
     reach_ = angle < incidence_ ? std::sin(angle) / std::sin(incidence_ - angle) : INFINITY;
     cosine_ = std::cos(angle);
@@ -46,25 +47,25 @@ Outcome<> Breakpoints::evaluate(const Evaluation& evaluation, Output& output) {
   const auto close = [&](std::size_t i) {
     const bool is_cluster = i - begin >= static_cast<std::size_t>(options_.least_readings);
     if (is_cluster) ++segment;
-    for (std::size_t k = begin; k < i; ++k) rows[k].segment = is_cluster ? segment : 0;
+    const double number = is_cluster ? segment : 0;
+    for (; begin < i; ++begin) rows[begin] = {beams[begin].bearing, beams[begin].range, number};
   };
+  LaserBeam before;
   for (std::size_t i = 0; i < beams.size(); ++i) {
-    const auto [bearing, range] = beams[i];
-    if (!std::isfinite(bearing) || !std::isfinite(range) || range < 0)
+    const LaserBeam beam = beams[i];
+    if (!std::isfinite(beam.bearing) || !(beam.range >= 0 && beam.range < INFINITY))
       return Fault{FaultKind::bad_data,
-                   fmt::format("beam {}: bearing {}, range {}", i, bearing, range)};
-    rows[i] = {bearing, range, 0};
-    if (range == 0) {
+                   fmt::format("beam {}: bearing {}, range {}", i, beam.bearing, beam.range)};
+    if (beam.range == 0) {
       close(i);
+      rows[i] = {beam.bearing, 0, 0};
       begin = i + 1;
-      continue;
+    } else if (i > begin && rule.breaks(before.range, beam.range, beam.bearing - before.bearing)) {
+      close(i);
     }
-    if (i == begin) continue;
-    if (!rule.breaks(beams[i - 1].range, range, bearing - beams[i - 1].bearing)) continue;
-    close(i);
-    begin = i;
+    before = beam;
   }
-  if (begin < beams.size()) close(beams.size());
+  close(beams.size());
   if (segment == 0) return Fault{FaultKind::no_detection, "the scan has no cluster of readings"};
   output.estimate.value = evaluation.input(0).value;
   output.estimate.lineage = evaluation.input(0).lineage;

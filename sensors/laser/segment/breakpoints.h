@@ -21,8 +21,9 @@ class BreakpointRule {
  private:
   double incidence_;
   double noise_;
-  double step_ = 0;   ///< the last one's, for which these hold:
-  double reach_ = 0;  ///< sin(step) / sin(lambda - step), infinite from lambda on
+  double step_ = 0;       ///< the last one's, for which these hold:
+  double tolerance_ = 0;  ///< of steps that pass for it
+  double reach_ = 0;      ///< sin(step) / sin(lambda - step), infinite from lambda on
   double cosine_ = 1;
 };
 

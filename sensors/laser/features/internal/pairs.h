@@ -14,6 +14,11 @@ using Pair = double __attribute__((vector_size(2 * sizeof(double))));
 
 inline double sum(const Pair& pair) { return pair[0] + pair[1]; }
 
+inline double square_root(double value) { return std::sqrt(value); }
+inline Pair square_root(const Pair& pair) {
+  return Pair{std::sqrt(pair[0]), std::sqrt(pair[1])};
+}
+
 /// Calls `add(p, q, present)` for every two readings; `present` holds ones. An odd reading at the
 /// end comes as both, and `present` is 1 and 0.
 template <typename Add>
