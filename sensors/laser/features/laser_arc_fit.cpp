@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sensors/laser/features/internal/pairs.h"
+#include "sensors/laser/internal/pairs.h"
 
 namespace ilss {
 namespace {

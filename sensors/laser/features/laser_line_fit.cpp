@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "framework/estimate/angle.h"
-#include "sensors/laser/features/internal/pairs.h"
+#include "sensors/laser/internal/pairs.h"
 #include "sensors/laser/segment/run_fits.h"
 
 namespace ilss {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "sensors/laser/scan_points.h"
+#include "sensors/laser/internal/pairs.h"
 
 namespace ilss {
 bool BreakpointRule::breaks(double range_before, double range, double step) {
@@ -20,6 +20,18 @@ bool BreakpointRule::breaks(double range_before, double range, double step) {
       range * range + range_before * range_before - 2 * range * range_before * cosine_;
   const double limit = range_before * reach_ + noise_;
   return square > limit * limit;
+}
+
+bool BreakpointRule::goes_on(const LaserBeam& a, const LaserBeam& b, const LaserBeam& c) const {
+  const Pair range_before{a.range, b.range};
+  const Pair range{b.range, c.range};
+  const Pair step = Pair{b.bearing, c.bearing} - Pair{a.bearing, b.bearing};
+  const Pair off = step - step_;
+  const Pair square =
+      range * range + range_before * range_before - 2 * range * range_before * cosine_;
+  const Pair limit = range_before * reach_ + noise_;
+  return both((off < tolerance_) & (off > -tolerance_) & (range > 0) & (range < INFINITY) &
+              (square <= limit * limit));
 }
 
 void Breakpoints::Options::declare(OptionVisitor& visit) {
@@ -50,9 +62,12 @@ Outcome<> Breakpoints::evaluate(const Evaluation& evaluation, Output& output) {
     const double number = is_cluster ? segment : 0;
     for (; begin < i; ++begin) rows[begin] = {beams[begin].bearing, beams[begin].range, number};
   };
-  LaserBeam before;
   for (std::size_t i = 0; i < beams.size(); ++i) {
-    const LaserBeam beam = beams[i];
+    while (i > begin && i + 1 < beams.size() &&
+           rule.goes_on(beams[i - 1], beams[i], beams[i + 1]))
+      i += 2;
+    if (i == beams.size()) break;
+    const LaserBeam& beam = beams[i];
     if (!std::isfinite(beam.bearing) || !(beam.range >= 0 && beam.range < INFINITY))
       return Fault{FaultKind::bad_data,
                    fmt::format("beam {}: bearing {}, range {}", i, beam.bearing, beam.range)};
@@ -60,10 +75,10 @@ Outcome<> Breakpoints::evaluate(const Evaluation& evaluation, Output& output) {
       close(i);
       rows[i] = {beam.bearing, 0, 0};
       begin = i + 1;
-    } else if (i > begin && rule.breaks(before.range, beam.range, beam.bearing - before.bearing)) {
+    } else if (i > begin && rule.breaks(beams[i - 1].range, beam.range,
+                                        beam.bearing - beams[i - 1].bearing)) {
       close(i);
     }
-    before = beam;
   }
   close(beams.size());
   if (segment == 0) return Fault{FaultKind::no_detection, "the scan has no cluster of readings"};

@@ -1,6 +1,7 @@
 // Sums over a scan's points that tell at once how well a line or a circle fits any run of them.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -25,8 +26,9 @@ struct CurveMoments {
   /// Chi² about the best line: the smaller eigenvalue of the scatter.
   double line_chi_squared() const;
   /// Chi² about the best circle or line, by Taubin's algebraic distance (Taubin 1991; the
-  /// characteristic polynomial as in Chernov 2010, sec. 5.10).
-  CircleCost circle() const;
+  /// characteristic polynomial as in Chernov 2010, sec. 5.10). Where it is above `enough`, that may
+  /// be all it tells: a chi² above `enough`, not above the circle's, and an infinite radius.
+  CircleCost circle(double enough = INFINITY) const;
 };
 
 /// Running sums over points: the moments of any run in constant time. A point's weight is one over

@@ -6,6 +6,15 @@
 
 namespace ilss {
 
+namespace {
+
+Fault bad_beam(const SegmentedBeam& beam, std::size_t i) {
+  return {FaultKind::bad_data, fmt::format("beam {}: bearing {}, range {}, segment {}", i,
+                                           beam.bearing, beam.range, beam.segment)};
+}
+
+}  // namespace
+
 Outcome<> SegmentedPoints::read(const Output& scan) {
   const std::span<const SegmentedBeam> beams = segmented_beams_of(scan);
   runs_.clear();
@@ -16,19 +25,21 @@ Outcome<> SegmentedPoints::read(const Output& scan) {
     if (segment != 0) runs_.push_back({i, i});
     open = segment;
   };
+  buffer_.resize(beams.size());
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const SegmentedBeam& beam = beams[i];
     const bool has_return = beam.range > 0 && beam.range < INFINITY;
-    if (has_return && beam.segment == open && std::isfinite(beam.bearing)) continue;
-    if (!std::isfinite(beam.bearing) || !std::isfinite(beam.range) || beam.range < 0 ||
-        !std::isfinite(beam.segment))
-      return Fault{FaultKind::bad_data, fmt::format("beam {}: bearing {}, range {}, segment {}", i,
-                                                    beam.bearing, beam.range, beam.segment)};
-    const double segment = has_return ? beam.segment : 0;
-    if (segment != open) change_to(segment, i);
+    if (!has_return || beam.segment != open || !buffer_.knows(i, beam.bearing)) {
+      if (!std::isfinite(beam.bearing) || !std::isfinite(beam.range) || beam.range < 0 ||
+          !std::isfinite(beam.segment))
+        return bad_beam(beam, i);
+      const double segment = has_return ? beam.segment : 0;
+      if (segment != open) change_to(segment, i);
+    }
+    buffer_.set(i, beam.bearing, beam.range);
   }
   change_to(0, beams.size());
-  points_ = buffer_.update(beams);
+  points_ = buffer_.points();
   return {};
 }
 
