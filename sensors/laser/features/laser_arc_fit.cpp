@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "sensors/laser/internal/pairs.h"
+#include "sensors/laser/segment/curve_moments.h"
+#include "sensors/laser/segment/run_fits.h"
 
 namespace ilss {
 namespace {
@@ -189,21 +191,26 @@ std::optional<Vector3> algebraic_circle(const CircleMoments& m) {
   return Vector3(m.centre_x + a, m.centre_y + b, std::sqrt(a * a + b * b + m.q));
 }
 
-/// As `exceeds_limits`, by the points' moments and their number n.
+/// As `exceeds_limits`, by the moments of n readings.
 bool exceeds(const CircleMoments& m, double n, const LaserNoise& noise, const ArcLimits& limits) {
   if (noise.bearing_variance > 0) return false;
   // Where beams graze, `residual_at` takes so much off a distance, and counts so much variance.
   const double longer = noise.range_variance / (2 * limits.least_radius);
   const double variance = noise.range_variance + 2 * longer * longer;
   const double farthest = longer + std::sqrt(limits.most_chi_squared * variance);
-  const double least_algebraic =  // K / n
-      m.qq - m.q * m.q -
+  const double root = std::sqrt(limits.most_chi_squared * variance) + longer * std::sqrt(n);
+  const double algebraic =  // K / n, less what rounding may have added
+      m.qq - m.q * m.q - 1e-9 * m.qq -
       (m.yy * m.xq * m.xq - 2 * m.xy * m.xq * m.yq + m.xx * m.yq * m.yq) / m.determinant();
-  constexpr double rounding = 1e-9;  // of the moments
-  const double square = std::max(0.0, least_algebraic - rounding * m.qq);  // / n
-  const double distance = std::sqrt(n * square) / (2 * limits.largest_radius + farthest);
-  const double clear = distance - longer * std::sqrt(n);
-  return clear > 0 && clear * clear > limits.most_chi_squared * variance;
+  const double clear = std::sqrt(n * std::max(0.0, algebraic)) - root * farthest;
+  if (!(clear > 0)) return false;
+  const double curvature = 2 * root / clear;  // what is more curved is too far off
+  if (curvature * limits.largest_radius < 1) return true;
+  const double share = curvature * farthest;
+  const CurveMoments moments{n,        0,        0,        n * m.xx, n * m.xy,
+                             n * m.yy, n * m.xq, n * m.yq, n * m.qq};
+  return share < 1 &&
+         std::sqrt(0.999 * moments.circle().chi_squared) * (1 - share) > root * (1 + share / 2);
 }
 
 /// Whether the surface bulges towards the laser: most beams meet its normal from outside.
@@ -219,6 +226,17 @@ bool bulges(std::span<const ScanPoint> points, const Vector3& circle) {
 bool exceeds_limits(std::span<const ScanPoint> points, const LaserNoise& noise,
                     const ArcLimits& limits) {
   return exceeds(moments_of(points), static_cast<double>(points.size()), noise, limits);
+}
+
+bool exceeds_as_line_and_arc(std::span<const ScanPoint> points, const LaserNoise& noise,
+                             double most_of_line, const ArcLimits& limits) {
+  if (noise.bearing_variance > 0) return false;
+  const auto n = static_cast<double>(points.size());
+  const CircleMoments m = moments_of(points);
+  const LeastSquaresLine line = line_of_scatter(m.centre_x, m.centre_y, m.xx, m.xy, m.yy);
+  constexpr double rounding = 1e-12;  // of the scatter
+  return n * (line.square - rounding * m.q) > most_of_line * noise.range_variance &&
+         exceeds(m, n, noise, limits);
 }
 
 std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, const LaserNoise& noise,

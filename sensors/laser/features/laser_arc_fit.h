@@ -37,12 +37,20 @@ struct ArcLimits {
 };
 
 /// Whether it is certain, without a fit, that no circle within these limits goes through the
-/// readings. With e the distance of a point p from a circle about c, |p - c|² - R² = e (2 R + e);
-/// the sum of the left side's squares is at least K, that of the algebraic circle (Kåsa), and so
-///   sum e² >= K / (2 R + max |e|)².
+/// readings. With e the distance of a point p from a circle about c, e (2 R + e) = |p - c|² - R²,
+/// whose squares' sum is at least that of the algebraic circle, K (Kåsa), and over 4 R² and the mean
+/// of (1 + e / R)² at least Taubin's, T. With every |e| up to d (from the chi² itself)
+///   sqrt(sum e²) >= sqrt(K) / (2 R + d)
+/// leaves only curvatures 1 / R up to some k, and for these
+///   sqrt(sum e²) >= sqrt(T) (1 - k d) / (1 + k d / 2).
 /// Nothing is certain where bearings are noisy: a beam's part in chi² then has no such bound.
 bool exceeds_limits(std::span<const ScanPoint> points, const LaserNoise& noise,
                     const ArcLimits& limits);
+
+/// As `exceeds_limits`, and that no line has a chi² up to `most_of_line`: it is at least that of the
+/// distances from the line of total least squares.
+bool exceeds_as_line_and_arc(std::span<const ScanPoint> points, const LaserNoise& noise,
+                             double most_of_line, const ArcLimits& limits);
 
 /// The circle that makes the readings most likely (Núñez et al. 2009, sec. 3.2: the distances from
 /// the circle, each weighted by its reading's uncertainty ellipse there). With n the circle's

@@ -29,20 +29,7 @@ struct CentredMoments {
   }
 };
 
-double smaller_eigenvalue(double xx, double xy, double yy) {
-  const double half = (xx + yy) / 2;
-  const double difference = (xx - yy) / 2;
-  return std::max(0.0, half - std::sqrt(difference * difference + xy * xy));
-}
-
 }  // namespace
-
-double CurveMoments::line_chi_squared() const {
-  const double share = 1 / w;
-  const double mx = x * share;
-  const double my = y * share;
-  return smaller_eigenvalue(xx - mx * x, xy - mx * y, yy - my * y);
-}
 
 CircleCost CurveMoments::circle(double enough) const {
   const CentredMoments m(*this);

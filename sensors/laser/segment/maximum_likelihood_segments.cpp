@@ -28,8 +28,7 @@ bool MaximumLikelihoodSegments::consider(std::size_t from, std::size_t at, Solut
   const auto take = [&](double cost) {
     if (before + cost < best.cost) best = {before + cost, from, true};
   };
-  const CurveMoments moments = sums_.of(ends_[from], ends_[at]);
-  const double line = moments.line_chi_squared();
+  const double line = sums_.of(ends_[from], ends_[at]).line_chi_squared();
   take(line + options_.line_cost);
   if (!(options_.largest_radius > 0)) return before + line <= best.cost;
   // A longer one may be an arc where this one's is not yet told.
@@ -41,7 +40,7 @@ bool MaximumLikelihoodSegments::consider(std::size_t from, std::size_t at, Solut
   const bool is_good_as_line = before + line <= best.cost;
   const double enough = is_good_as_line ? left - options_.arc_cost : left;
   if (is_good_as_line && enough <= 0) return true;
-  const CircleCost circle = moments.circle(enough);
+  const CircleCost circle = sums_.of(ends_[from], ends_[at]).circle(enough);
   if (circle.radius >= options_.least_radius && circle.radius <= options_.largest_radius)
     take(circle.chi_squared + options_.arc_cost);
   return before + std::min(line, circle.chi_squared) <= best.cost;
@@ -108,7 +107,14 @@ void MaximumLikelihoodSegments::join(std::span<const ScanPoint> points, const La
     const double apart = exact_cost(fit_of(points, noise, runs, i)) +
                          exact_cost(fit_of(points, noise, runs, i + 1)) +
                          static_cast<double>(between) * options_.outlier_cost;
-    const FittedRun both = fit(points, noise, {runs[i].begin, runs[i + 1].end});
+    const ReadingRun whole{runs[i].begin, runs[i + 1].end};
+    const ArcLimits limits{options_.least_radius, options_.largest_radius,
+                           apart - options_.arc_cost};
+    const FittedRun both =
+        exceeds_as_line_and_arc(points.subspan(whole.begin, whole.size()), noise,
+                                apart - options_.line_cost, limits)
+            ? FittedRun{whole, {}}
+            : fit(points, noise, whole);
     if (exact_cost(both.fit) < apart) {
       const auto next = static_cast<std::ptrdiff_t>(i) + 1;
       runs[i] = both.run;
