@@ -14,6 +14,12 @@ using Pair = double __attribute__((vector_size(2 * sizeof(double))));
 
 inline double sum(const Pair& pair) { return pair[0] + pair[1]; }
 
+/// Whether a comparison holds for both.
+template <typename Comparison>
+bool both(const Comparison& holds) {
+  return (holds[0] & holds[1]) != 0;
+}
+
 inline Pair magnitude(const Pair& pair) { return Pair{std::abs(pair[0]), std::abs(pair[1])}; }
 
 inline double square_root(double value) { return std::sqrt(value); }

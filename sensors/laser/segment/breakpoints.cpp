@@ -22,8 +22,7 @@ bool BreakpointRule::breaks(double range_before, double range, double step) {
   return square > limit * limit;
 }
 
-std::array<bool, 2> BreakpointRule::goes_on(const LaserBeam& a, const LaserBeam& b,
-                                            const LaserBeam& c) const {
+bool BreakpointRule::goes_on(const LaserBeam& a, const LaserBeam& b, const LaserBeam& c) const {
   const Pair range_before{a.range, b.range};
   const Pair range{b.range, c.range};
   const Pair step = Pair{b.bearing, c.bearing} - Pair{a.bearing, b.bearing};
@@ -31,9 +30,8 @@ std::array<bool, 2> BreakpointRule::goes_on(const LaserBeam& a, const LaserBeam&
   const Pair square =
       range * range + range_before * range_before - 2 * range * range_before * cosine_;
   const Pair limit = range_before * reach_ + noise_;
-  const auto holds = (off < tolerance_) & (off > -tolerance_) & (range > 0) & (range < INFINITY) &
-                     (square <= limit * limit);
-  return {holds[0] != 0, holds[1] != 0};
+  return both((off < tolerance_) & (off > -tolerance_) & (range > 0) & (range < INFINITY) &
+              (square <= limit * limit));
 }
 
 void Breakpoints::Options::declare(OptionVisitor& visit) {
@@ -55,42 +53,35 @@ Outcome<> Breakpoints::evaluate(const Evaluation& evaluation, Output& output) {
   const double deviation = noise_of(evaluation.input(0)).range_deviation();
   BreakpointRule rule(options_.incidence, options_.deviations * deviation);
   const std::span<SegmentedBeam> rows = make_rows<SegmentedBeam>(output, beams.size());
-  double segment = 1;     // the open cluster's number
+  double segment = 0;
   std::size_t begin = 0;  // of the open cluster
   // Ends the open cluster before beam i; its number is the next one's if it was too small.
   const auto close = [&](std::size_t i) {
-    if (i - begin >= static_cast<std::size_t>(options_.least_readings))
-      ++segment;
-    else
-      for (; begin < i; ++begin) rows[begin].segment = 0;
-    begin = i;
+    const bool is_cluster = i - begin >= static_cast<std::size_t>(options_.least_readings);
+    if (is_cluster) ++segment;
+    const double number = is_cluster ? segment : 0;
+    for (; begin < i; ++begin) rows[begin] = {beams[begin].bearing, beams[begin].range, number};
   };
-  // Looks at a beam that may not go on; false where it is no reading.
-  const auto look_at = [&](std::size_t i) {
-    const auto [bearing, range] = beams[i];
-    if (!std::isfinite(bearing) || !(range >= 0 && range < INFINITY)) return false;
-    if (range == 0) {
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    while (i > begin && i + 1 < beams.size() &&
+           rule.goes_on(beams[i - 1], beams[i], beams[i + 1]))
+      i += 2;
+    if (i == beams.size()) break;
+    const LaserBeam& beam = beams[i];
+    if (!std::isfinite(beam.bearing) || !(beam.range >= 0 && beam.range < INFINITY))
+      return Fault{FaultKind::bad_data,
+                   fmt::format("beam {}: bearing {}, range {}", i, beam.bearing, beam.range)};
+    if (beam.range == 0) {
       close(i);
+      rows[i] = {beam.bearing, 0, 0};
       begin = i + 1;
-    } else if (i > begin && rule.breaks(beams[i - 1].range, range, bearing - beams[i - 1].bearing)) {
+    } else if (i > begin && rule.breaks(beams[i - 1].range, beam.range,
+                                        beam.bearing - beams[i - 1].bearing)) {
       close(i);
-    }
-    return true;
-  };
-  for (std::size_t i = 0; i < beams.size();) {
-    const bool is_pair = i > 0 && i + 1 < beams.size();
-    const std::array<bool, 2> goes_on =
-        is_pair ? rule.goes_on(beams[i - 1], beams[i], beams[i + 1]) : std::array<bool, 2>{};
-    for (std::size_t k = 0; k < (is_pair ? 2 : 1); ++k, ++i) {
-      const auto [bearing, range] = beams[i];
-      if (!goes_on[k] && !look_at(i))
-        return Fault{FaultKind::bad_data,
-                     fmt::format("beam {}: bearing {}, range {}", i, bearing, range)};
-      rows[i] = {bearing, range, range > 0 ? segment : 0};
     }
   }
   close(beams.size());
-  if (segment == 1) return Fault{FaultKind::no_detection, "the scan has no cluster of readings"};
+  if (segment == 0) return Fault{FaultKind::no_detection, "the scan has no cluster of readings"};
   output.estimate.value = evaluation.input(0).value;
   output.estimate.lineage = evaluation.input(0).lineage;
   return {};

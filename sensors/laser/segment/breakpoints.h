@@ -17,9 +17,9 @@ class BreakpointRule {
 
   /// Whether the surface ends between a reading and the next one, `step` (rad) farther on.
   bool breaks(double range_before, double range, double step);
-  /// Of three beams one after another, whether the second and the third, by a quick look, go on
-  /// with a surface: at the step of the last call of `breaks`, and then that would say so, too.
-  std::array<bool, 2> goes_on(const LaserBeam& a, const LaserBeam& b, const LaserBeam& c) const;
+  /// Whether three beams one after another are, by a quick look, readings of one surface: if so,
+  /// `breaks` says that it does not end between them. They are at the last step from each other.
+  bool goes_on(const LaserBeam& a, const LaserBeam& b, const LaserBeam& c) const;
 
  private:
   double incidence_;

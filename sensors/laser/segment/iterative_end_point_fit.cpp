@@ -8,30 +8,29 @@
 namespace ilss {
 namespace {
 
-/// The reading of largest `measure` above `least`, looked for from the middle outwards, so that the
-/// nearest to the middle wins among equals; 0 if there is none. `measure` takes two readings.
+/// The reading of largest `measure` above `least`; among equals the nearest to the middle, the
+/// later one first; 0 if there is none. `measure` takes two readings.
 template <typename Measure>
 std::size_t largest_from_middle(std::span<const ScanPoint> points, const ReadingRun& run,
                                 double least, const Measure& measure) {
+  // The value first, without a branch that depends on it; then where it is.
+  double most = least;
+  double most_of_next = least;
+  std::size_t i = run.begin + 1;
+  for (; i + 2 < run.end; i += 2) {
+    const Pair values = measure(points[i], points[i + 1]);
+    most = values[0] > most ? values[0] : most;
+    most_of_next = values[1] > most_of_next ? values[1] : most_of_next;
+  }
+  if (i + 1 < run.end) most = std::max(most, measure(points[i], points[i])[0]);
+  most = std::max(most, most_of_next);
+  if (!(most > least)) return 0;
+  const auto is_it = [&](std::size_t k) { return measure(points[k], points[k])[0] >= most; };
   const std::size_t middle = run.begin + run.size() / 2;
-  std::size_t largest = 0;
-  const auto consider = [&](std::size_t i, std::size_t next) {
-    const Pair values = measure(points[i], points[next]);
-    if (values[0] > least) {
-      least = values[0];
-      largest = i;
-    }
-    if (values[1] > least) {
-      least = values[1];
-      largest = next;
-    }
-  };
-  std::size_t i = std::max(middle, run.begin + 1);
-  for (; i + 2 < run.end; i += 2) consider(i, i + 1);
-  if (i + 1 < run.end) consider(i, i);
-  for (i = middle; i > run.begin + 2; i -= 2) consider(i - 1, i - 2);
-  if (i > run.begin + 1) consider(i - 1, i - 1);
-  return largest;
+  for (i = std::max(middle, run.begin + 1); i + 1 < run.end; ++i)
+    if (is_it(i)) return i;
+  for (i = middle - 1; i > run.begin + 1 && !is_it(i);) --i;
+  return i;
 }
 
 }  // namespace
