@@ -44,6 +44,8 @@ Sums<double> whole(const Sums<Pair>& s) {
 template <bool FromLine>
 Sums<double> accumulate(std::span<const ScanPoint> points, const LaserNoise& noise,
                         const Normal& line) {
+  const bool has_exact_bearings = noise.bearing_variance == 0;
+  const double information = 1 / noise.range_variance;
   Sums<Pair> sums;
   for_pairs(points, [&](const ScanPoint& p, const ScanPoint& q, const Pair& present) {
     const Pair cosine{p.cosine, q.cosine};
@@ -51,10 +53,13 @@ Sums<double> accumulate(std::span<const ScanPoint> points, const LaserNoise& noi
     const Pair measured{p.range, q.range};
     const Pair c = line.cosine * cosine + line.sine * sine;
     const Pair s = line.sine * cosine - line.cosine * sine;
-    const Pair range = FromLine ? line.rho / c : measured;
+    const Pair inverse = 1 / c;
+    const Pair range = FromLine ? line.rho * inverse : measured;
     const Pair g = range * s;
     const Pair e = measured * c - line.rho;
-    const Pair w = present / (noise.range_variance * c * c + noise.bearing_variance * g * g);
+    const Pair w = has_exact_bearings
+                       ? information * present * inverse * inverse
+                       : present / (noise.range_variance * c * c + noise.bearing_variance * g * g);
     const Pair wg = w * g;
     const Pair wgg = wg * g;
     const Pair we = w * e;
