@@ -207,8 +207,7 @@ bool exceeds(const CircleMoments& m, double n, const LaserNoise& noise, const Ar
   const double curvature = 2 * root / clear;  // what is more curved is too far off
   if (curvature * limits.largest_radius < 1) return true;
   const double share = curvature * farthest;
-  const CurveMoments moments{n,        0,        0,        n * m.xx, n * m.xy,
-                             n * m.yy, n * m.xq, n * m.yq, n * m.qq};
+  const CurveMoments moments{n, 0, 0, n * m.xx, n * m.xy, n * m.yy, n * m.xq, n * m.yq, n * m.qq};
   return share < 1 &&
          std::sqrt(0.999 * moments.circle().chi_squared) * (1 - share) > root * (1 + share / 2);
 }

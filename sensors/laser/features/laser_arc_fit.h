@@ -31,15 +31,15 @@ struct LaserArcFit {
 
 /// What a caller asks of an arc.
 struct ArcLimits {
-  double least_radius = 0;          ///< m
+  double least_radius = 0;           ///< m
   double largest_radius = INFINITY;  ///< m
   double most_chi_squared = INFINITY;
 };
 
 /// Whether it is certain, without a fit, that no circle within these limits goes through the
 /// readings. With e the distance of a point p from a circle about c, e (2 R + e) = |p - c|² - R²,
-/// whose squares' sum is at least that of the algebraic circle, K (Kåsa), and over 4 R² and the mean
-/// of (1 + e / R)² at least Taubin's, T. With every |e| up to d (from the chi² itself)
+/// whose squares' sum is at least that of the algebraic circle, K (Kåsa), and over 4 R² and the
+/// mean of (1 + e / R)² at least Taubin's, T. With every |e| up to d (from the chi² itself)
 ///   sqrt(sum e²) >= sqrt(K) / (2 R + d)
 /// leaves only curvatures 1 / R up to some k, and for these
 ///   sqrt(sum e²) >= sqrt(T) (1 - k d) / (1 + k d / 2).
@@ -47,8 +47,8 @@ struct ArcLimits {
 bool exceeds_limits(std::span<const ScanPoint> points, const LaserNoise& noise,
                     const ArcLimits& limits);
 
-/// As `exceeds_limits`, and that no line has a chi² up to `most_of_line`: it is at least that of the
-/// distances from the line of total least squares.
+/// As `exceeds_limits`, and that no line has a chi² up to `most_of_line`: it is at least that of
+/// the distances from the line of total least squares.
 bool exceeds_as_line_and_arc(std::span<const ScanPoint> points, const LaserNoise& noise,
                              double most_of_line, const ArcLimits& limits);
 

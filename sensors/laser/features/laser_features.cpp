@@ -80,8 +80,7 @@ bool LaserFeatures::is_real_corner(const LaserSegment& before, const LaserSegmen
   // Between the two beams; or else the beam that lies beyond it is as well of the other line.
   constexpr double as_well = 25;  // squared standard deviations
   const double sense = first.bearing < last.bearing ? -1 : 1;
-  if (sense * left_of(last, corner) < 0)
-    return squared_residual(after.line, last, noise) < as_well;
+  if (sense * left_of(last, corner) < 0) return squared_residual(after.line, last, noise) < as_well;
   if (sense * left_of(first, corner) > 0)
     return squared_residual(before.line, first, noise) < as_well;
   return true;

@@ -33,10 +33,11 @@ struct Sums {
 };
 
 Sums<double> whole(const Sums<Pair>& s) {
-  return {sum(s.w),    sum(s.wg),    sum(s.wgg),
-          sum(s.we),   sum(s.wge),   sum(s.wee),
-          sum(s.wggg), sum(s.wgggg), sum(s.wgge),
-          std::min(s.least_incidence[0], s.least_incidence[1])};
+  return {sum(s.w),    sum(s.wg),
+          sum(s.wgg),  sum(s.we),
+          sum(s.wge),  sum(s.wee),
+          sum(s.wggg), sum(s.wgggg),
+          sum(s.wgge), std::min(s.least_incidence[0], s.least_incidence[1])};
 }
 
 /// `FromLine`: where a beam meets the line tells its weight; otherwise where it was measured, and
@@ -101,9 +102,9 @@ Normal total_least_squares(std::span<const ScanPoint> points) {
   const auto n = static_cast<double>(points.size());
   const double mean_x = sum(x) / n;
   const double mean_y = sum(y) / n;
-  const LeastSquaresLine best = line_of_scatter(
-      origin[0] + mean_x, origin[1] + mean_y, sum(xx) - mean_x * sum(x),
-      sum(xy) - mean_x * sum(y), sum(yy) - mean_y * sum(y));
+  const LeastSquaresLine best =
+      line_of_scatter(origin[0] + mean_x, origin[1] + mean_y, sum(xx) - mean_x * sum(x),
+                      sum(xy) - mean_x * sum(y), sum(yy) - mean_y * sum(y));
   const double rho = best.normal_x * best.centre_x + best.normal_y * best.centre_y;
   if (rho < 0) return {-best.normal_x, -best.normal_y, -rho};
   return {best.normal_x, best.normal_y, rho};

@@ -23,9 +23,7 @@ bool both(const Comparison& holds) {
 inline Pair magnitude(const Pair& pair) { return Pair{std::abs(pair[0]), std::abs(pair[1])}; }
 
 inline double square_root(double value) { return std::sqrt(value); }
-inline Pair square_root(const Pair& pair) {
-  return Pair{std::sqrt(pair[0]), std::sqrt(pair[1])};
-}
+inline Pair square_root(const Pair& pair) { return Pair{std::sqrt(pair[0]), std::sqrt(pair[1])}; }
 
 /// Calls `add(p, q, present)` for every two readings; `present` holds ones. An odd reading at the
 /// end comes as both, and `present` is 1 and 0.

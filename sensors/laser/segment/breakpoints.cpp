@@ -53,35 +53,40 @@ Outcome<> Breakpoints::evaluate(const Evaluation& evaluation, Output& output) {
   const double deviation = noise_of(evaluation.input(0)).range_deviation();
   BreakpointRule rule(options_.incidence, options_.deviations * deviation);
   const std::span<SegmentedBeam> rows = make_rows<SegmentedBeam>(output, beams.size());
-  double segment = 0;
+  double segment = 1;     // the open cluster's number
   std::size_t begin = 0;  // of the open cluster
   // Ends the open cluster before beam i; its number is the next one's if it was too small.
   const auto close = [&](std::size_t i) {
-    const bool is_cluster = i - begin >= static_cast<std::size_t>(options_.least_readings);
-    if (is_cluster) ++segment;
-    const double number = is_cluster ? segment : 0;
-    for (; begin < i; ++begin) rows[begin] = {beams[begin].bearing, beams[begin].range, number};
+    if (i - begin >= static_cast<std::size_t>(options_.least_readings))
+      ++segment;
+    else
+      for (; begin < i; ++begin) rows[begin].segment = 0;
+    begin = i;
   };
+  const auto write = [&](std::size_t i) { rows[i] = {beams[i].bearing, beams[i].range, segment}; };
   for (std::size_t i = 0; i < beams.size(); ++i) {
-    while (i > begin && i + 1 < beams.size() &&
-           rule.goes_on(beams[i - 1], beams[i], beams[i + 1]))
-      i += 2;
-    if (i == beams.size()) break;
-    const LaserBeam& beam = beams[i];
-    if (!std::isfinite(beam.bearing) || !(beam.range >= 0 && beam.range < INFINITY))
-      return Fault{FaultKind::bad_data,
-                   fmt::format("beam {}: bearing {}, range {}", i, beam.bearing, beam.range)};
-    if (beam.range == 0) {
-      close(i);
-      rows[i] = {beam.bearing, 0, 0};
-      begin = i + 1;
-    } else if (i > begin && rule.breaks(beams[i - 1].range, beam.range,
-                                        beam.bearing - beams[i - 1].bearing)) {
-      close(i);
+    for (; i > begin && i + 1 < beams.size() && rule.goes_on(beams[i - 1], beams[i], beams[i + 1]);
+         i += 2) {
+      write(i);
+      write(i + 1);
     }
+    if (i == beams.size()) break;
+    const auto [bearing, range] = beams[i];
+    if (!std::isfinite(bearing) || !(range >= 0 && range < INFINITY))
+      return Fault{FaultKind::bad_data,
+                   fmt::format("beam {}: bearing {}, range {}", i, bearing, range)};
+    if (range == 0) {
+      close(i);
+      rows[i] = {bearing, 0, 0};
+      begin = i + 1;
+      continue;
+    }
+    if (i > begin && rule.breaks(beams[i - 1].range, range, bearing - beams[i - 1].bearing))
+      close(i);
+    write(i);
   }
   close(beams.size());
-  if (segment == 0) return Fault{FaultKind::no_detection, "the scan has no cluster of readings"};
+  if (segment == 1) return Fault{FaultKind::no_detection, "the scan has no cluster of readings"};
   output.estimate.value = evaluation.input(0).value;
   output.estimate.lineage = evaluation.input(0).lineage;
   return {};

@@ -48,8 +48,12 @@ std::size_t farthest_from_chord(std::span<const ScanPoint> points, const Reading
   const double dx = points[run.end - 1].x - first.x;
   const double dy = points[run.end - 1].y - first.y;
   const double length = dx * dx + dy * dy;
-  const auto x_of = [&](const ScanPoint& p, const ScanPoint& q) { return Pair{p.x, q.x} - first.x; };
-  const auto y_of = [&](const ScanPoint& p, const ScanPoint& q) { return Pair{p.y, q.y} - first.y; };
+  const auto x_of = [&](const ScanPoint& p, const ScanPoint& q) {
+    return Pair{p.x, q.x} - first.x;
+  };
+  const auto y_of = [&](const ScanPoint& p, const ScanPoint& q) {
+    return Pair{p.y, q.y} - first.y;
+  };
   if (length <= limit * limit)
     return largest_from_middle(points, run, limit * limit, [&](const auto& p, const auto& q) {
       const Pair x = x_of(p, q);

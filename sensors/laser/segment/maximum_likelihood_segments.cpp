@@ -110,11 +110,10 @@ void MaximumLikelihoodSegments::join(std::span<const ScanPoint> points, const La
     const ReadingRun whole{runs[i].begin, runs[i + 1].end};
     const ArcLimits limits{options_.least_radius, options_.largest_radius,
                            apart - options_.arc_cost};
-    const FittedRun both =
-        exceeds_as_line_and_arc(points.subspan(whole.begin, whole.size()), noise,
-                                apart - options_.line_cost, limits)
-            ? FittedRun{whole, {}}
-            : fit(points, noise, whole);
+    const FittedRun both = exceeds_as_line_and_arc(points.subspan(whole.begin, whole.size()), noise,
+                                                   apart - options_.line_cost, limits)
+                               ? FittedRun{whole, {}}
+                               : fit(points, noise, whole);
     if (exact_cost(both.fit) < apart) {
       const auto next = static_cast<std::ptrdiff_t>(i) + 1;
       runs[i] = both.run;
