@@ -57,20 +57,26 @@ inline LaserNoise noise_of(const Estimate& scan) {
 /// A scan's points. Beams that point where they did in the scan before cost no sine and cosine.
 class ScanPoints {
  public:
+  void resize(std::size_t beams) { points_.resize(beams); }
+  std::span<const ScanPoint> points() const { return points_; }
+  /// Whether beam i pointed there in the scan before.
+  bool knows(std::size_t i, double bearing) const { return points_[i].bearing == bearing; }
+  void set(std::size_t i, double bearing, double range) {
+    ScanPoint& point = points_[i];
+    if (point.bearing != bearing) {
+      point.bearing = bearing;
+      point.cosine = std::cos(bearing);
+      point.sine = std::sin(bearing);
+    }
+    point.range = range;
+    point.x = range * point.cosine;
+    point.y = range * point.sine;
+  }
+
   template <typename Beam>
   std::span<const ScanPoint> update(std::span<const Beam> beams) {
-    points_.resize(beams.size());
-    for (std::size_t i = 0; i < beams.size(); ++i) {
-      ScanPoint& point = points_[i];
-      if (point.bearing != beams[i].bearing) {
-        point.bearing = beams[i].bearing;
-        point.cosine = std::cos(point.bearing);
-        point.sine = std::sin(point.bearing);
-      }
-      point.range = beams[i].range;
-      point.x = point.range * point.cosine;
-      point.y = point.range * point.sine;
-    }
+    resize(beams.size());
+    for (std::size_t i = 0; i < beams.size(); ++i) set(i, beams[i].bearing, beams[i].range);
     return points_;
   }
 

@@ -1,7 +1,12 @@
 #include "sensors/laser/features/laser_arc_fit.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
+
+#include "sensors/laser/internal/pairs.h"
+#include "sensors/laser/segment/curve_moments.h"
+#include "sensors/laser/segment/run_fits.h"
 
 namespace ilss {
 namespace {
@@ -15,17 +20,19 @@ struct Circle {
   bool bulges;
 };
 
-/// What a reading says of a circle.
+/// What a reading says of a circle; `Number`: a double, or a Pair for two readings.
+template <typename Number>
 struct ArcResidual {
-  double value;
-  double weight;
-  Vector3 by_circle;  ///< of the value, by x, y and radius
-  double by_range;    ///< of the value
+  Number value;
+  Number weight;
+  Number normal_x;  ///< of the circle; the value's derivatives by x, y and radius are (-normal, -1)
+  Number normal_y;
+  Number by_range;  ///< of the value
 };
 
 /// The residual across the circle at a point with normal (nx, ny), at `distance` from the centre.
-ArcResidual residual_at(double nx, double ny, double distance, const ScanPoint& p,
-                        const Circle& circle, const LaserNoise& noise) {
+ArcResidual<double> residual_at(double nx, double ny, double distance, const ScanPoint& p,
+                                const Circle& circle, const LaserNoise& noise) {
   const double radius = circle.parameters.z();
   const double along = nx * p.cosine + ny * p.sine;
   const double share = along * along;
@@ -34,32 +41,61 @@ ArcResidual residual_at(double nx, double ny, double distance, const ScanPoint& 
   const double longer = across / (2 * radius);  // mean of what the noise across adds
   const double variance =
       noise.range_variance * share + by_bearing * (1 - share) + 2 * longer * longer;
-  return {distance - radius - longer, 1 / variance, {-nx, -ny, -1}, along};
+  return {distance - radius - longer, 1 / variance, nx, ny, along};
 }
 
-ArcResidual residual_of(const ScanPoint& p, const Circle& circle, const LaserNoise& noise) {
+/// Where the beam meets the circle: then the normal has no part in the reading's noise.
+template <typename Number>
+ArcResidual<Number> residual_where_met(const Number& cosine, const Number& sine,
+                                       const Number& measured, const Number& half,
+                                       const Circle& circle, const LaserNoise& noise) {
+  const double x = circle.parameters.x();
+  const double y = circle.parameters.y();
+  const double inverse = (circle.bulges ? -1 : 1) / circle.parameters.z();
+  const Number incidence = square_root(half) * inverse;
+  const Number range = x * cosine + y * sine + incidence * circle.parameters.z();
+  const Number share = incidence * incidence;
+  const Number variance =
+      noise.range_variance * share + range * range * noise.bearing_variance * (1 - share);
+  const double outward = 1 / circle.parameters.z();
+  return {(measured - range) * incidence, 1 / variance, (range * cosine - x) * outward,
+          (range * sine - y) * outward, incidence};
+}
+
+/// Half the chord that a beam has in common with the circle, squared; a beam grazes or passes it
+/// where that is no more than this share of the squared radius.
+constexpr double grazing = 0.05;
+
+template <typename Number>
+Number squared_half_chord(const Number& cosine, const Number& sine, const Circle& circle) {
   const Vector3& c = circle.parameters;
-  const double radius = c.z();
-  const double across = c.x() * p.sine - c.y() * p.cosine;
-  const double half = radius * radius - across * across;
-  constexpr double grazing = 0.05;  // of the squared radius
-  if (half > grazing * radius * radius) {
-    // Where the beam meets the circle: then the normal has no part in the reading's noise.
-    const double along = c.x() * p.cosine + c.y() * p.sine;
-    const double root = circle.bulges ? -std::sqrt(half) : std::sqrt(half);
-    const double range = along + root;
-    const double nx = (range * p.cosine - c.x()) / radius;
-    const double ny = (range * p.sine - c.y()) / radius;
-    const double incidence = root / radius;
-    const double share = incidence * incidence;
-    const double variance =
-        noise.range_variance * share + range * range * noise.bearing_variance * (1 - share);
-    return {(p.range - range) * incidence, 1 / variance, {-nx, -ny, -1}, incidence};
-  }
+  const Number across = c.x() * sine - c.y() * cosine;
+  return c.z() * c.z() - across * across;
+}
+
+ArcResidual<double> residual_of(const ScanPoint& p, const Circle& circle, const LaserNoise& noise) {
+  const Vector3& c = circle.parameters;
+  const double half = squared_half_chord(p.cosine, p.sine, circle);
+  if (half > grazing * c.z() * c.z())
+    return residual_where_met(p.cosine, p.sine, p.range, half, circle, noise);
   const double dx = p.x - c.x();
   const double dy = p.y - c.y();
   const double distance = std::sqrt(dx * dx + dy * dy);
   return residual_at(dx / distance, dy / distance, distance, p, circle, noise);
+}
+
+ArcResidual<Pair> residuals_of(const ScanPoint& p, const ScanPoint& q, const Circle& circle,
+                               const LaserNoise& noise) {
+  const double least = grazing * circle.parameters.z() * circle.parameters.z();
+  const Pair cosine{p.cosine, q.cosine};
+  const Pair sine{p.sine, q.sine};
+  const Pair half = squared_half_chord(cosine, sine, circle);
+  if (half[0] > least && half[1] > least)
+    return residual_where_met(cosine, sine, Pair{p.range, q.range}, half, circle, noise);
+  const ArcResidual<double> a = residual_of(p, circle, noise);
+  const ArcResidual<double> b = residual_of(q, circle, noise);
+  return {Pair{a.value, b.value}, Pair{a.weight, b.weight}, Pair{a.normal_x, b.normal_x},
+          Pair{a.normal_y, b.normal_y}, Pair{a.by_range, b.by_range}};
 }
 
 struct Normals {
@@ -70,72 +106,110 @@ struct Normals {
 
 Normals accumulate(std::span<const ScanPoint> points, const Circle& circle,
                    const LaserNoise& noise) {
-  double xx = 0;
-  double xy = 0;
-  double x1 = 0;
-  double yy = 0;
-  double y1 = 0;
-  double one = 0;
-  double xe = 0;
-  double ye = 0;
-  double e1 = 0;
-  double ee = 0;
-  for (const ScanPoint& p : points) {
-    const ArcResidual r = residual_of(p, circle, noise);
-    const double wx = r.weight * r.by_circle.x();
-    const double wy = r.weight * r.by_circle.y();
-    const double we = r.weight * r.value;
-    xx += wx * r.by_circle.x();
-    xy += wx * r.by_circle.y();
+  Pair xx{};
+  Pair xy{};
+  Pair x1{};
+  Pair yy{};
+  Pair y1{};
+  Pair one{};
+  Pair xe{};
+  Pair ye{};
+  Pair e1{};
+  Pair ee{};
+  for_pairs(points, [&](const ScanPoint& p, const ScanPoint& q, const Pair& present) {
+    const ArcResidual<Pair> r = residuals_of(p, q, circle, noise);
+    const Pair w = r.weight * present;
+    const Pair wx = w * r.normal_x;
+    const Pair wy = w * r.normal_y;
+    const Pair we = w * r.value;
+    xx += wx * r.normal_x;
+    xy += wx * r.normal_y;
     x1 += wx;
-    yy += wy * r.by_circle.y();
+    yy += wy * r.normal_y;
     y1 += wy;
-    one += r.weight;
+    one += w;
     xe += wx * r.value;
     ye += wy * r.value;
     e1 += we;
     ee += we * r.value;
-  }
+  });
   Normals normals;
-  normals.information << xx, xy, -x1, xy, yy, -y1, -x1, -y1, one;
-  normals.gradient << xe, ye, -e1;
-  normals.chi_squared = ee;
+  normals.information << sum(xx), sum(xy), sum(x1), sum(xy), sum(yy), sum(y1), sum(x1), sum(y1),
+      sum(one);
+  normals.gradient << -sum(xe), -sum(ye), -sum(e1);
+  normals.chi_squared = sum(ee);
   return normals;
 }
 
-/// The circle x² + y² = a x + b y + c of least squares, about the points' mean (Kåsa).
-std::optional<Vector3> algebraic_circle(std::span<const ScanPoint> points) {
-  double x = 0;
-  double y = 0;
-  for (const ScanPoint& p : points) {
-    x += p.x;
-    y += p.y;
-  }
+/// Means over some points of powers of their coordinates about their centre, and of q, their
+/// squared distances from it.
+struct CircleMoments {
+  double centre_x, centre_y, xx, xy, yy, xq, yq, q, qq;
+  double determinant() const { return xx * yy - xy * xy; }
+};
+
+CircleMoments moments_of(std::span<const ScanPoint> points) {
   const auto n = static_cast<double>(points.size());
-  x /= n;
-  y /= n;
-  double xx = 0;
-  double xy = 0;
-  double yy = 0;
-  double xq = 0;
-  double yq = 0;
-  double q = 0;
-  for (const ScanPoint& p : points) {
-    const double dx = p.x - x;
-    const double dy = p.y - y;
-    const double square = dx * dx + dy * dy;
-    xx += dx * dx;
+  Pair x{};
+  Pair y{};
+  for_pairs(points, [&](const ScanPoint& p, const ScanPoint& q, const Pair& present) {
+    x += Pair{p.x, q.x} * present;
+    y += Pair{p.y, q.y} * present;
+  });
+  const double centre_x = sum(x) / n;
+  const double centre_y = sum(y) / n;
+  Pair xx{};
+  Pair xy{};
+  Pair yy{};
+  Pair xq{};
+  Pair yq{};
+  Pair qq{};
+  for_pairs(points, [&](const ScanPoint& a, const ScanPoint& b, const Pair& present) {
+    const Pair dx = (Pair{a.x, b.x} - centre_x) * present;
+    const Pair dy = (Pair{a.y, b.y} - centre_y) * present;
+    const Pair dx2 = dx * dx;
+    const Pair dy2 = dy * dy;
+    const Pair q = dx2 + dy2;
+    xx += dx2;
     xy += dx * dy;
-    yy += dy * dy;
-    xq += dx * square;
-    yq += dy * square;
-    q += square;
-  }
-  const double determinant = xx * yy - xy * xy;
-  if (!(determinant > 1e-12 * (xx + yy) * (xx + yy))) return std::nullopt;
-  const double a = (yy * xq - xy * yq) / (2 * determinant);
-  const double b = (xx * yq - xy * xq) / (2 * determinant);
-  return Vector3(x + a, y + b, std::sqrt(a * a + b * b + q / n));
+    yy += dy2;
+    xq += dx * q;
+    yq += dy * q;
+    qq += q * q;
+  });
+  const double mean_q = (sum(xx) + sum(yy)) / n;
+  return {centre_x,    centre_y,    sum(xx) / n, sum(xy) / n, sum(yy) / n,
+          sum(xq) / n, sum(yq) / n, mean_q,      sum(qq) / n};
+}
+
+/// The circle x² + y² = a x + b y + c of least squares, about the points' mean (Kåsa).
+std::optional<Vector3> algebraic_circle(const CircleMoments& m) {
+  const double determinant = m.determinant();
+  if (!(determinant > 1e-12 * (m.xx + m.yy) * (m.xx + m.yy))) return std::nullopt;
+  const double a = (m.yy * m.xq - m.xy * m.yq) / (2 * determinant);
+  const double b = (m.xx * m.yq - m.xy * m.xq) / (2 * determinant);
+  return Vector3(m.centre_x + a, m.centre_y + b, std::sqrt(a * a + b * b + m.q));
+}
+
+/// As `exceeds_limits`, by the moments of n readings.
+bool exceeds(const CircleMoments& m, double n, const LaserNoise& noise, const ArcLimits& limits) {
+  if (noise.bearing_variance > 0) return false;
+  // Where beams graze, `residual_at` takes so much off a distance, and counts so much variance.
+  const double longer = noise.range_variance / (2 * limits.least_radius);
+  const double variance = noise.range_variance + 2 * longer * longer;
+  const double farthest = longer + std::sqrt(limits.most_chi_squared * variance);
+  const double root = std::sqrt(limits.most_chi_squared * variance) + longer * std::sqrt(n);
+  const double algebraic =  // K / n, less what rounding may have added
+      m.qq - m.q * m.q - 1e-9 * m.qq -
+      (m.yy * m.xq * m.xq - 2 * m.xy * m.xq * m.yq + m.xx * m.yq * m.yq) / m.determinant();
+  const double clear = std::sqrt(n * std::max(0.0, algebraic)) - root * farthest;
+  if (!(clear > 0)) return false;
+  const double curvature = 2 * root / clear;  // what is more curved is too far off
+  if (curvature * limits.largest_radius < 1) return true;
+  const double share = curvature * farthest;
+  const CurveMoments moments{n, 0, 0, n * m.xx, n * m.xy, n * m.yy, n * m.xq, n * m.yq, n * m.qq};
+  return share < 1 &&
+         std::sqrt(0.999 * moments.circle().chi_squared) * (1 - share) > root * (1 + share / 2);
 }
 
 /// Whether the surface bulges towards the laser: most beams meet its normal from outside.
@@ -148,11 +222,29 @@ bool bulges(std::span<const ScanPoint> points, const Vector3& circle) {
 
 }  // namespace
 
+bool exceeds_limits(std::span<const ScanPoint> points, const LaserNoise& noise,
+                    const ArcLimits& limits) {
+  return exceeds(moments_of(points), static_cast<double>(points.size()), noise, limits);
+}
+
+bool exceeds_as_line_and_arc(std::span<const ScanPoint> points, const LaserNoise& noise,
+                             double most_of_line, const ArcLimits& limits) {
+  if (noise.bearing_variance > 0) return false;
+  const auto n = static_cast<double>(points.size());
+  const CircleMoments m = moments_of(points);
+  const LeastSquaresLine line = line_of_scatter(m.centre_x, m.centre_y, m.xx, m.xy, m.yy);
+  constexpr double rounding = 1e-12;  // of the scatter
+  return n * (line.square - rounding * m.q) > most_of_line * noise.range_variance &&
+         exceeds(m, n, noise, limits);
+}
+
 std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, const LaserNoise& noise,
-                                         const UncertainBiases& biases) {
+                                         const UncertainBiases& biases, const ArcLimits& limits) {
   if (points.size() < 4) return std::nullopt;
-  const auto start = algebraic_circle(points);
-  if (!start) return std::nullopt;
+  const CircleMoments moments = moments_of(points);
+  const auto start = algebraic_circle(moments);
+  if (!start || exceeds(moments, static_cast<double>(points.size()), noise, limits))
+    return std::nullopt;
   Circle circle{*start, bulges(points, *start)};
   Normals normals = accumulate(points, circle, noise);
   double damping = 1e-3;
@@ -194,8 +286,8 @@ std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, cons
   fit.readings = points.size();
   if (biases.count > 0) {
     for (const ScanPoint& p : points) {
-      const ArcResidual r = residual_of(p, circle, noise);
-      Vector3 by_bias = r.weight * r.by_range * r.by_circle;
+      const ArcResidual<double> r = residual_of(p, circle, noise);
+      Vector3 by_bias = -r.weight * r.by_range * Vector3(r.normal_x, r.normal_y, 1);
       for (std::size_t k = 0; k < biases.count; ++k, by_bias *= p.range / biases.reference)
         fit.by_bias.col(static_cast<Eigen::Index>(k)) += by_bias;
     }
@@ -205,7 +297,7 @@ std::optional<LaserArcFit> fit_laser_arc(std::span<const ScanPoint> points, cons
 }
 
 double squared_residual(const LaserArcFit& arc, const ScanPoint& p, const LaserNoise& noise) {
-  const ArcResidual r =
+  const ArcResidual<double> r =
       residual_of(p, {{arc.x, arc.y, std::abs(arc.radius)}, arc.radius > 0}, noise);
   return r.value * r.value * r.weight;
 }

@@ -1,6 +1,7 @@
 #include "sensors/laser/features/laser_feature_estimates.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -28,7 +29,15 @@ using Vector2 = Eigen::Vector2d;
 /// Factor L with L Lᵀ = covariance.
 template <int P>
 Eigen::Matrix<double, P, P> factor_of(const Eigen::Matrix<double, P, P>& covariance) {
-  return covariance.llt().matrixL();
+  if constexpr (P == 2) {
+    const double first = std::sqrt(covariance(0, 0));
+    const double mixed = covariance(1, 0) / first;
+    Eigen::Matrix2d factor;
+    factor << first, 0, mixed, std::sqrt(std::max(0.0, covariance(1, 1) - mixed * mixed));
+    return factor;
+  } else {
+    return covariance.llt().matrixL();
+  }
 }
 
 template <int Rows>
@@ -53,16 +62,14 @@ struct PlaceOnLine {
 };
 
 PlaceOnLine meet(const LaserLineFit& line, double beam_cosine, double beam_sine) {
-  const double normal_x = std::cos(line.alpha);
-  const double normal_y = std::sin(line.alpha);
-  const double c = normal_x * beam_cosine + normal_y * beam_sine;
-  const double s = normal_y * beam_cosine - normal_x * beam_sine;
+  const double c = line.cosine * beam_cosine + line.sine * beam_sine;
+  const double s = line.sine * beam_cosine - line.cosine * beam_sine;
   const Vector2 beam(beam_cosine, beam_sine);
   const double range = line.rho / c;
   PlaceOnLine place;
   place.at = range * beam;
   place.by_line << beam / c, beam * (range * s / c);
-  place.by_bearing = Vector2(-normal_y, normal_x) * (range / c);
+  place.by_bearing = Vector2(-line.sine, line.cosine) * (range / c);
   return place;
 }
 
@@ -114,8 +121,8 @@ void LaserFeatureWriter::set_line(Feature<Rows, 2>& feature, int rho_row, int ph
                                   const LaserLineFit& line) const {
   // phi = heading - alpha, rho = rho' + mount · normal; both may have to turn round.
   double phi = mount_.heading - line.alpha;
-  const double cosine = std::cos(phi);
-  const double sine = std::sin(phi);
+  const double cosine = cosine_ * line.cosine + sine_ * line.sine;
+  const double sine = sine_ * line.cosine - cosine_ * line.sine;
   double rho = line.rho + mount_.x * cosine + mount_.z * sine;
   const double by_phi = mount_.z * cosine - mount_.x * sine;
   const double sign = rho < 0 ? -1 : 1;
@@ -172,7 +179,7 @@ void LaserFeatureWriter::add_line(std::size_t index, const LaserSegment& segment
   feature.value[6] = static_cast<double>(line.readings);
   feature.value[7] = static_cast<double>(segment.run.begin);
   feature.value[8] = static_cast<double>(segment.run.end - 1);
-  feature.by_bias = feature.by_fit * line.by_bias;
+  if (has_systematic_errors_) feature.by_bias = feature.by_fit * line.by_bias;
   Estimate& element = write(descriptor<LineSegment>(), feature);
   const bool is_open = segment.run.begin == 0 || segment.run.end == scan.size();
   element.labels[0] = is_open ? 1 : 0;
@@ -182,7 +189,7 @@ void LaserFeatureWriter::add_line(std::size_t index, const LaserSegment& segment
   element.lineage.add(source(index, 1), column_of<rows>(columns.col(1)));
   // An end lies on the line, also on one that is turned: second order, along the normal. Four
   // times its root mean square, for a product of errors has longer tails than an error.
-  const Vector2 normal = turn(Vector2(std::cos(line.alpha), std::sin(line.alpha)));
+  const Vector2 normal = turn(Vector2(line.cosine, line.sine));
   const auto add_end = [&](int row, std::uint32_t column) {
     const Vector2 along(-normal.y(), normal.x());
     const Eigen::RowVector2d by_line =
@@ -241,7 +248,7 @@ void LaserFeatureWriter::add_arc(std::size_t index, const LaserSegment& segment,
         std::sqrt(noise_.range_variance * along * along +
                   p.range * p.range * noise_.bearing_variance * (1 - along * along));
   }
-  feature.by_bias = feature.by_fit * arc.by_bias + by_slide;
+  if (has_systematic_errors_) feature.by_bias = feature.by_fit * arc.by_bias + by_slide;
   feature.value[7] = static_cast<double>(arc.readings);
   feature.value[8] = static_cast<double>(segment.run.begin);
   feature.value[9] = static_cast<double>(segment.run.end - 1);
@@ -265,8 +272,7 @@ void LaserFeatureWriter::add_corner(std::size_t a, const LaserLineFit& line_a, s
                                     const LaserLineFit& line_b, CornerKind kind) {
   // n_a · p = rho_a and n_b · p = rho_b; a turned line moves by its coordinate along itself.
   Eigen::Matrix2d normals;
-  normals << std::cos(line_a.alpha), std::sin(line_a.alpha), std::cos(line_b.alpha),
-      std::sin(line_b.alpha);
+  normals << line_a.cosine, line_a.sine, line_b.cosine, line_b.sine;
   const Eigen::Matrix2d inverse = normals.inverse();
   const Vector2 place = inverse * Vector2(line_a.rho, line_b.rho);
   const auto by_line = [&](int row) {
@@ -281,7 +287,7 @@ void LaserFeatureWriter::add_corner(std::size_t a, const LaserLineFit& line_a, s
   set_place<2, 4>(feature, 0, place, by_lines);
   Eigen::Matrix<double, 4, bias_count> by_bias;
   by_bias << line_a.by_bias, line_b.by_bias;
-  feature.by_bias = feature.by_fit * by_bias;
+  if (has_systematic_errors_) feature.by_bias = feature.by_fit * by_bias;
   Estimate& element = write(descriptor<Corner>(), feature);
   element.labels[0] = static_cast<int>(kind);
   const auto add_noise = [&](std::size_t segment, const Eigen::Matrix2d& by_fit,
@@ -302,7 +308,7 @@ void LaserFeatureWriter::add_edge(std::size_t index, const LaserLineFit& line,
   Feature<3, 2> feature;
   set_place(feature, 0, place.at, place.by_line);
   set_line(feature, -1, 2, line);
-  feature.by_bias = feature.by_fit * line.by_bias;
+  if (has_systematic_errors_) feature.by_bias = feature.by_fit * line.by_bias;
   Estimate& element = write(descriptor<SurfaceEdge>(), feature);
   const Eigen::Matrix<double, 3, 2> columns = feature.by_fit * factor_of(line.covariance);
   element.lineage.add(source(index, 0), column_of<3>(columns.col(0)));

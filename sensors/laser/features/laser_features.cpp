@@ -12,28 +12,34 @@ namespace ilss {
 namespace {
 
 double cosine_between(const LaserLineFit& a, const LaserLineFit& b) {
-  return std::cos(a.alpha - b.alpha);
+  return a.cosine * b.cosine + a.sine * b.sine;
 }
 
+struct Place {
+  double x;
+  double y;
+};
+
 /// Where two lines meet: n_a · p = rho_a and n_b · p = rho_b.
-ScanPoint intersection(const LaserLineFit& a, const LaserLineFit& b) {
-  const double determinant = std::sin(b.alpha - a.alpha);
-  const double x = (a.rho * std::sin(b.alpha) - b.rho * std::sin(a.alpha)) / determinant;
-  const double y = (b.rho * std::cos(a.alpha) - a.rho * std::cos(b.alpha)) / determinant;
-  const double range = std::hypot(x, y);
-  return {std::atan2(y, x), x / range, y / range, range, x, y};
+Place intersection(const LaserLineFit& a, const LaserLineFit& b) {
+  const double determinant = a.cosine * b.sine - a.sine * b.cosine;
+  return {(a.rho * b.sine - b.rho * a.sine) / determinant,
+          (b.rho * a.cosine - a.rho * b.cosine) / determinant};
 }
 
 /// How far a place lies beyond a run's nearer end, in its own direction (m).
-double beyond(const ScanPoint& place, const LaserLineFit& line, const ScanPoint& first,
+double beyond(const Place& place, const LaserLineFit& line, const ScanPoint& first,
               const ScanPoint& last) {
-  const double along_x = -std::sin(line.alpha);
-  const double along_y = std::cos(line.alpha);
-  const auto coordinate = [&](const ScanPoint& p) { return along_x * p.x + along_y * p.y; };
+  const auto coordinate = [&](const auto& p) { return line.cosine * p.y - line.sine * p.x; };
   const double a = coordinate(first);
   const double b = coordinate(last);
   const double at = coordinate(place);
   return std::max({at - std::max(a, b), std::min(a, b) - at, 0.0});
+}
+
+/// How far a place lies to the left of a beam (m).
+double left_of(const ScanPoint& beam, const Place& place) {
+  return beam.cosine * place.y - beam.sine * place.x;
 }
 
 }  // namespace
@@ -66,40 +72,40 @@ bool LaserFeatures::is_real_corner(const LaserSegment& before, const LaserSegmen
                                    const LaserNoise& noise) const {
   constexpr std::size_t most_missing = 3;
   if (before.arc || after.arc || after.run.begin - before.run.end > most_missing ||
-      std::abs(cosine_between(before.line, after.line)) > std::cos(options_.least_corner_angle))
+      std::abs(cosine_between(before.line, after.line)) > parallel_)
     return false;
   const ScanPoint& last = scan_.points()[before.run.end - 1];
   const ScanPoint& first = scan_.points()[after.run.begin];
-  const ScanPoint corner = intersection(before.line, after.line);
+  const Place corner = intersection(before.line, after.line);
   // Between the two beams; or else the beam that lies beyond it is as well of the other line.
   constexpr double as_well = 25;  // squared standard deviations
-  const double step = first.bearing - last.bearing;
-  const double share = wrap_angle(corner.bearing - last.bearing) / step;
-  if (share < 0) return squared_residual(after.line, last, noise) < as_well;
-  if (share > 1) return squared_residual(before.line, first, noise) < as_well;
+  const double sense = first.bearing < last.bearing ? -1 : 1;
+  if (sense * left_of(last, corner) < 0) return squared_residual(after.line, last, noise) < as_well;
+  if (sense * left_of(first, corner) > 0)
+    return squared_residual(before.line, first, noise) < as_well;
   return true;
 }
 
 void LaserFeatures::add_virtual_corners(LaserFeatureWriter& writer) const {
-  const double parallel = std::cos(options_.least_corner_angle);
   for (std::size_t b = 1; b < segments_.size(); ++b) {
     if (segments_[b].arc) continue;
     for (std::size_t a = 0; a < b; ++a) {
       if (segments_[a].arc || (a + 1 == b && segments_[b].meets_before)) continue;
       const LaserLineFit& line_a = segments_[a].line;
       const LaserLineFit& line_b = segments_[b].line;
-      if (std::abs(cosine_between(line_a, line_b)) > parallel) continue;
-      const ScanPoint place = intersection(line_a, line_b);
-      if (is_within_reach(place, segments_[a]) && is_within_reach(place, segments_[b]))
+      if (std::abs(cosine_between(line_a, line_b)) > parallel_) continue;
+      const Place place = intersection(line_a, line_b);
+      if (is_within_reach(place.x, place.y, segments_[a]) &&
+          is_within_reach(place.x, place.y, segments_[b]))
         writer.add_corner(a, line_a, b, line_b, CornerKind::virtual_corner);
     }
   }
 }
 
-bool LaserFeatures::is_within_reach(const ScanPoint& place, const LaserSegment& segment) const {
+bool LaserFeatures::is_within_reach(double x, double y, const LaserSegment& segment) const {
   const ScanPoint& first = scan_.points()[segment.run.begin];
   const ScanPoint& last = scan_.points()[segment.run.end - 1];
-  const double distance = beyond(place, segment.line, first, last);
+  const double distance = beyond({x, y}, segment.line, first, last);
   return distance <= options_.virtual_reach;
 }
 

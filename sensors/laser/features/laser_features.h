@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -53,14 +54,15 @@ class LaserFeatures final : public Module {
 
   static Interface interface(const Options& options);
 
-  explicit LaserFeatures(Options options) : options_(std::move(options)) {}
+  explicit LaserFeatures(Options options)
+      : options_(std::move(options)), parallel_(std::cos(options_.least_corner_angle)) {}
 
   Outcome<> evaluate(const Evaluation& evaluation, Output& output) override;
 
  private:
   bool is_real_corner(const LaserSegment& before, const LaserSegment& after,
                       const LaserNoise& noise) const;
-  bool is_within_reach(const ScanPoint& place, const LaserSegment& segment) const;
+  bool is_within_reach(double x, double y, const LaserSegment& segment) const;
   Fault nothing_fits(const LaserNoise& noise) const;
   void fit_all(const LaserNoise& noise, const UncertainBiases& biases);
   void extend(LaserSegment& segment, std::size_t begin, std::size_t end, const LaserNoise& noise,
@@ -69,6 +71,7 @@ class LaserFeatures final : public Module {
   void add_edges(std::size_t index, double deviation, class LaserFeatureWriter& writer) const;
 
   Options options_;
+  double parallel_;  ///< cosine between two lines from which they make no corner
   SegmentedPoints scan_;
   std::vector<LaserSegment> segments_;
 };

@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "framework/estimate/angle.h"
+#include "sensors/laser/internal/pairs.h"
+#include "sensors/laser/segment/run_fits.h"
 
 namespace ilss {
 namespace {
@@ -15,73 +17,103 @@ struct Normal {
 };
 
 /// Sums over the readings of w, w g, ..., with the residual e across the line and the coordinate g
-/// along it from the foot of the perpendicular.
+/// along it from the foot of the perpendicular. `Number`: a Pair while they are summed up.
+template <typename Number>
 struct Sums {
-  double w = 0;
-  double wg = 0;
-  double wgg = 0;
-  double we = 0;
-  double wge = 0;
-  double wee = 0;
-  double wggg = 0;
-  double wgggg = 0;
-  double wgge = 0;
-  double least_incidence = 1;  ///< of the cosines between beams and normal
+  Number w{};
+  Number wg{};
+  Number wgg{};
+  Number we{};
+  Number wge{};
+  Number wee{};
+  Number wggg{};
+  Number wgggg{};
+  Number wgge{};
+  Number least_incidence = Number{} + 1;  ///< of the cosines between beams and normal
 };
 
-/// `FromLine`: where a beam meets the line tells its weight; otherwise where it was measured.
+Sums<double> whole(const Sums<Pair>& s) {
+  return {sum(s.w),    sum(s.wg),
+          sum(s.wgg),  sum(s.we),
+          sum(s.wge),  sum(s.wee),
+          sum(s.wggg), sum(s.wgggg),
+          sum(s.wgge), std::min(s.least_incidence[0], s.least_incidence[1])};
+}
+
+/// `FromLine`: where a beam meets the line tells its weight; otherwise where it was measured, and
+/// only what a step needs is summed up.
 template <bool FromLine>
-Sums accumulate(std::span<const ScanPoint> points, const LaserNoise& noise, const Normal& line) {
-  Sums sums;
-  for (const ScanPoint& p : points) {
-    const double c = line.cosine * p.cosine + line.sine * p.sine;
-    const double s = line.sine * p.cosine - line.cosine * p.sine;
-    const double range = FromLine ? line.rho / c : p.range;
-    const double g = range * s;
-    const double e = p.range * c - line.rho;
-    const double w = 1 / (noise.range_variance * c * c + noise.bearing_variance * g * g);
-    const double wg = w * g;
-    const double wgg = wg * g;
+Sums<double> accumulate(std::span<const ScanPoint> points, const LaserNoise& noise,
+                        const Normal& line) {
+  const bool has_exact_bearings = noise.bearing_variance == 0;
+  const double information = 1 / noise.range_variance;
+  Sums<Pair> sums;
+  for_pairs(points, [&](const ScanPoint& p, const ScanPoint& q, const Pair& present) {
+    const Pair cosine{p.cosine, q.cosine};
+    const Pair sine{p.sine, q.sine};
+    const Pair measured{p.range, q.range};
+    const Pair c = line.cosine * cosine + line.sine * sine;
+    const Pair s = line.sine * cosine - line.cosine * sine;
+    const Pair inverse = 1 / c;
+    const Pair range = FromLine ? line.rho * inverse : measured;
+    const Pair g = range * s;
+    const Pair e = measured * c - line.rho;
+    const Pair w = has_exact_bearings
+                       ? information * present * inverse * inverse
+                       : present / (noise.range_variance * c * c + noise.bearing_variance * g * g);
+    const Pair wg = w * g;
+    const Pair wgg = wg * g;
+    const Pair we = w * e;
+    const Pair wge = wg * e;
     sums.w += w;
     sums.wg += wg;
     sums.wgg += wgg;
-    sums.we += w * e;
-    sums.wge += wg * e;
-    sums.wee += w * e * e;
-    sums.wggg += wgg * g;
-    sums.wgggg += wgg * g * g;
-    sums.wgge += wgg * e;
-    sums.least_incidence = c < sums.least_incidence ? c : sums.least_incidence;
-  }
-  return sums;
+    sums.we += we;
+    sums.wge += wge;
+    if constexpr (FromLine) {
+      const Pair wggg = wgg * g;
+      sums.wee += we * e;
+      sums.wggg += wggg;
+      sums.wgggg += wggg * g;
+      sums.wgge += wge * g;
+      sums.least_incidence = c < sums.least_incidence ? c : sums.least_incidence;
+    }
+  });
+  return whole(sums);
 }
 
-/// The best line with every reading the same weight and error in both directions: theta by the
-/// paper's closed form, with the arctangent of two arguments that it needs.
+/// The best line with every reading the same weight and error in both directions.
 Normal total_least_squares(std::span<const ScanPoint> points) {
-  double x = 0;
-  double y = 0;
-  for (const ScanPoint& p : points) {
-    x += p.x;
-    y += p.y;
-  }
+  const Pair origin{points.front().x, points.front().y};  // near the readings: sums stay exact
+  Pair x{};
+  Pair y{};
+  Pair xx{};
+  Pair xy{};
+  Pair yy{};
+  for_pairs(points, [&](const ScanPoint& p, const ScanPoint& q, const Pair& present) {
+    const Pair dx = (Pair{p.x, q.x} - origin[0]) * present;
+    const Pair dy = (Pair{p.y, q.y} - origin[1]) * present;
+    x += dx;
+    y += dy;
+    xx += dx * dx;
+    xy += dx * dy;
+    yy += dy * dy;
+  });
   const auto n = static_cast<double>(points.size());
-  x /= n;
-  y /= n;
-  double xx = 0;
-  double xy = 0;
-  double yy = 0;
-  for (const ScanPoint& p : points) {
-    xx += (p.x - x) * (p.x - x);
-    xy += (p.x - x) * (p.y - y);
-    yy += (p.y - y) * (p.y - y);
-  }
-  const double theta = 0.5 * std::atan2(-2 * xy, yy - xx);
-  Normal line{std::cos(theta), std::sin(theta), 0};
-  line.rho = x * line.cosine + y * line.sine;
-  if (line.rho < 0) line = {-line.cosine, -line.sine, -line.rho};
-  return line;
+  const double mean_x = sum(x) / n;
+  const double mean_y = sum(y) / n;
+  const LeastSquaresLine best =
+      line_of_scatter(origin[0] + mean_x, origin[1] + mean_y, sum(xx) - mean_x * sum(x),
+                      sum(xy) - mean_x * sum(y), sum(yy) - mean_y * sum(y));
+  const double rho = best.normal_x * best.centre_x + best.normal_y * best.centre_y;
+  if (rho < 0) return {-best.normal_x, -best.normal_y, -rho};
+  return {best.normal_x, best.normal_y, rho};
 }
+
+struct Direction {
+  double cosine;
+  double sine;
+};
 
 struct Step {
   double rho;
@@ -89,7 +121,7 @@ struct Step {
   double gain;  ///< chi² that it saves
 };
 
-Step step_of(const Sums& s, double determinant) {
+Step step_of(const Sums<double>& s, double determinant) {
   const double rho = (s.wgg * s.we - s.wg * s.wge) / determinant;
   const double alpha = (s.w * s.wge - s.wg * s.we) / determinant;
   return {rho, alpha, rho * s.we + alpha * s.wge};
@@ -102,7 +134,7 @@ struct Bend {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
 };
 
-Bend bend_of(const Sums& s) {
+Bend bend_of(const Sums<double>& s) {
   const double mean = s.wg / s.w;
   const double second = s.wgg - mean * s.wg;  // about the mean
   const double third = s.wggg - mean * s.wgg;
@@ -124,10 +156,17 @@ Bend bend_of(const Sums& s) {
   return bend;
 }
 
+/// The unit vector at an angle: by its series where that is exact, as after a first step.
+Direction direction_at(double angle) {
+  if (!(std::abs(angle) < 0.01)) return {std::cos(angle), std::sin(angle)};
+  const double square = angle * angle;
+  return {1 - square / 2 * (1 - square / 12 * (1 - square / 30)),
+          angle * (1 - square / 6 * (1 - square / 20 * (1 - square / 42)))};
+}
+
 void turn(Normal& line, const Step& step) {
   // Turned by a small angle about the foot of the perpendicular, which is where g counts from.
-  const double cosine = std::cos(step.alpha);
-  const double sine = std::sin(step.alpha);
+  const auto [cosine, sine] = direction_at(step.alpha);
   line = {line.cosine * cosine - line.sine * sine, line.sine * cosine + line.cosine * sine,
           line.rho + step.rho};
 }
@@ -157,7 +196,7 @@ std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
                                            const LaserNoise& noise, const UncertainBiases& biases) {
   if (points.size() < 2) return std::nullopt;
   Normal line = total_least_squares(points);
-  Sums sums = accumulate<false>(points, noise, line);
+  Sums<double> sums = accumulate<false>(points, noise, line);
   constexpr int most_steps = 20;
   constexpr double settled = 1e-4;  // of chi²: a hundredth of a standard deviation
   for (int i = 0; i < most_steps; ++i) {
@@ -171,6 +210,8 @@ std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
       LaserLineFit fit;
       fit.rho = line.rho;
       fit.alpha = wrap_angle(std::atan2(line.sine, line.cosine));
+      fit.cosine = line.cosine;
+      fit.sine = line.sine;
       fit.covariance << sums.wgg, -sums.wg, -sums.wg, sums.w;
       fit.covariance /= determinant;
       fit.chi_squared = std::max(0.0, sums.wee - step.gain);
@@ -189,10 +230,8 @@ std::optional<LaserLineFit> fit_laser_line(std::span<const ScanPoint> points,
 }
 
 double squared_residual(const LaserLineFit& line, const ScanPoint& p, const LaserNoise& noise) {
-  const double normal_x = std::cos(line.alpha);
-  const double normal_y = std::sin(line.alpha);
-  const double c = normal_x * p.cosine + normal_y * p.sine;
-  const double s = normal_y * p.cosine - normal_x * p.sine;
+  const double c = line.cosine * p.cosine + line.sine * p.sine;
+  const double s = line.sine * p.cosine - line.cosine * p.sine;
   if (!(c > 0)) return INFINITY;
   const double g = line.rho / c * s;
   const double e = p.range * c - line.rho;

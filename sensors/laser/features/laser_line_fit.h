@@ -14,6 +14,8 @@ namespace ilss {
 struct LaserLineFit {
   double rho = 0;                                        ///< m, not negative
   double alpha = 0;                                      ///< rad, in [-pi, pi)
+  double cosine = 1;                                     ///< of alpha
+  double sine = 0;                                       ///< of alpha
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (rho, alpha) by the noise
   Eigen::Matrix<double, 2, range_biases> by_bias =
       Eigen::Matrix<double, 2, range_biases>::Zero();  ///< of (rho, alpha)

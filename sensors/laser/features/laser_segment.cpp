@@ -1,5 +1,6 @@
 #include "sensors/laser/features/laser_segment.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace ilss {
@@ -11,10 +12,23 @@ bool is_believable(const LaserArcFit& arc, const LaserModelRule& rule) {
          arc.covariance(2, 2) < radius * radius / 4;
 }
 
+/// The chi² up to which so many readings are a line or an arc of so many parameters.
+double most_chi_squared(std::size_t readings, std::size_t parameters, const LaserModelRule& rule) {
+  if (readings <= parameters) return INFINITY;
+  return rule.largest_misfit * static_cast<double>(readings - parameters);
+}
+
 bool fits(double chi_squared, std::size_t readings, std::size_t parameters,
           const LaserModelRule& rule) {
-  return readings <= parameters ||
-         chi_squared <= rule.largest_misfit * static_cast<double>(readings - parameters);
+  return chi_squared <= most_chi_squared(readings, parameters, rule);
+}
+
+/// What an arc must keep to if it is to be chosen over the line, if there is one.
+ArcLimits limits_of(const std::optional<LaserLineFit>& line, std::size_t readings,
+                    const LaserModelRule& rule) {
+  double most = most_chi_squared(readings, 3, rule);
+  if (line) most = std::min(most, line->chi_squared - rule.evidence);
+  return {rule.least_radius, rule.largest_radius, most};
 }
 
 /// Whether a run that a line was fitted to may be an arc instead: it is bent, and about as much or
@@ -34,7 +48,7 @@ std::optional<LaserSegment> fit_laser_segment(std::span<const ScanPoint> scan,
   const auto points = scan.subspan(run.begin, run.size());
   auto line = fit_laser_line(points, noise, biases);
   if (rule.largest_radius > 0 && (!line || may_be_arc(*line, rule))) {
-    const auto arc = fit_laser_arc(points, noise, biases);
+    const auto arc = fit_laser_arc(points, noise, biases, limits_of(line, points.size(), rule));
     if (arc && is_believable(*arc, rule) &&
         (!line || line->chi_squared - arc->chi_squared > rule.evidence) &&
         fits(arc->chi_squared, points.size(), 3, rule))

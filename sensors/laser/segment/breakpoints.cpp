@@ -4,13 +4,14 @@
 
 #include <cmath>
 
-#include "sensors/laser/scan_points.h"
+#include "sensors/laser/internal/pairs.h"
 
 namespace ilss {
 bool BreakpointRule::breaks(double range_before, double range, double step) {
   // The steps of a scan are alike but for rounding, so that the last one's numbers serve again.
-  if (!(std::abs(step - step_) < 1e-9 * std::abs(step_))) {
+  if (!(std::abs(step - step_) < tolerance_)) {
     step_ = step;
+    tolerance_ = 1e-9 * std::abs(step);
     const double angle = std::abs(step);
     reach_ = angle < incidence_ ? std::sin(angle) / std::sin(incidence_ - angle) : INFINITY;
     cosine_ = std::cos(angle);
@@ -19,6 +20,18 @@ bool BreakpointRule::breaks(double range_before, double range, double step) {
       range * range + range_before * range_before - 2 * range * range_before * cosine_;
   const double limit = range_before * reach_ + noise_;
   return square > limit * limit;
+}
+
+bool BreakpointRule::goes_on(const LaserBeam& a, const LaserBeam& b, const LaserBeam& c) const {
+  const Pair range_before{a.range, b.range};
+  const Pair range{b.range, c.range};
+  const Pair step = Pair{b.bearing, c.bearing} - Pair{a.bearing, b.bearing};
+  const Pair off = step - step_;
+  const Pair square =
+      range * range + range_before * range_before - 2 * range * range_before * cosine_;
+  const Pair limit = range_before * reach_ + noise_;
+  return both((off < tolerance_) & (off > -tolerance_) & (range > 0) & (range < INFINITY) &
+              (square <= limit * limit));
 }
 
 void Breakpoints::Options::declare(OptionVisitor& visit) {
@@ -40,32 +53,40 @@ Outcome<> Breakpoints::evaluate(const Evaluation& evaluation, Output& output) {
   const double deviation = noise_of(evaluation.input(0)).range_deviation();
   BreakpointRule rule(options_.incidence, options_.deviations * deviation);
   const std::span<SegmentedBeam> rows = make_rows<SegmentedBeam>(output, beams.size());
-  double segment = 0;
+  double segment = 1;     // the open cluster's number
   std::size_t begin = 0;  // of the open cluster
   // Ends the open cluster before beam i; its number is the next one's if it was too small.
   const auto close = [&](std::size_t i) {
-    const bool is_cluster = i - begin >= static_cast<std::size_t>(options_.least_readings);
-    if (is_cluster) ++segment;
-    for (std::size_t k = begin; k < i; ++k) rows[k].segment = is_cluster ? segment : 0;
+    if (i - begin >= static_cast<std::size_t>(options_.least_readings))
+      ++segment;
+    else
+      for (; begin < i; ++begin) rows[begin].segment = 0;
+    begin = i;
   };
+  const auto write = [&](std::size_t i) { rows[i] = {beams[i].bearing, beams[i].range, segment}; };
   for (std::size_t i = 0; i < beams.size(); ++i) {
+    for (; i > begin && i + 1 < beams.size() && rule.goes_on(beams[i - 1], beams[i], beams[i + 1]);
+         i += 2) {
+      write(i);
+      write(i + 1);
+    }
+    if (i == beams.size()) break;
     const auto [bearing, range] = beams[i];
-    if (!std::isfinite(bearing) || !std::isfinite(range) || range < 0)
+    if (!std::isfinite(bearing) || !(range >= 0 && range < INFINITY))
       return Fault{FaultKind::bad_data,
                    fmt::format("beam {}: bearing {}, range {}", i, bearing, range)};
-    rows[i] = {bearing, range, 0};
     if (range == 0) {
       close(i);
+      rows[i] = {bearing, 0, 0};
       begin = i + 1;
       continue;
     }
-    if (i == begin) continue;
-    if (!rule.breaks(beams[i - 1].range, range, bearing - beams[i - 1].bearing)) continue;
-    close(i);
-    begin = i;
+    if (i > begin && rule.breaks(beams[i - 1].range, range, bearing - beams[i - 1].bearing))
+      close(i);
+    write(i);
   }
-  if (begin < beams.size()) close(beams.size());
-  if (segment == 0) return Fault{FaultKind::no_detection, "the scan has no cluster of readings"};
+  close(beams.size());
+  if (segment == 1) return Fault{FaultKind::no_detection, "the scan has no cluster of readings"};
   output.estimate.value = evaluation.input(0).value;
   output.estimate.lineage = evaluation.input(0).lineage;
   return {};

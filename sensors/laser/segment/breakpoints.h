@@ -17,12 +17,16 @@ class BreakpointRule {
 
   /// Whether the surface ends between a reading and the next one, `step` (rad) farther on.
   bool breaks(double range_before, double range, double step);
+  /// Whether three beams one after another are, by a quick look, readings of one surface: if so,
+  /// `breaks` says that it does not end between them. They are at the last step from each other.
+  bool goes_on(const LaserBeam& a, const LaserBeam& b, const LaserBeam& c) const;
 
  private:
   double incidence_;
   double noise_;
-  double step_ = 0;   ///< the last one's, for which these hold:
-  double reach_ = 0;  ///< sin(step) / sin(lambda - step), infinite from lambda on
+  double step_ = 0;       ///< the last one's, for which these hold:
+  double tolerance_ = 0;  ///< of steps that pass for it
+  double reach_ = 0;      ///< sin(step) / sin(lambda - step), infinite from lambda on
   double cosine_ = 1;
 };
 

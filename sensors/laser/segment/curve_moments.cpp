@@ -11,15 +11,16 @@ struct CentredMoments {
   double xx, xy, yy, xz, yz, zz;
 
   explicit CentredMoments(const CurveMoments& s) {
-    const double mx = s.x / s.w;
-    const double my = s.y / s.w;
-    xx = s.xx / s.w - mx * mx;
-    xy = s.xy / s.w - mx * my;
-    yy = s.yy / s.w - my * my;
-    const double q = (s.xx + s.yy) / s.w;
-    const double xq = s.xq / s.w - mx * q;
-    const double yq = s.yq / s.w - my * q;
-    const double qq = s.qq / s.w - q * q;
+    const double share = 1 / s.w;
+    const double mx = s.x * share;
+    const double my = s.y * share;
+    xx = s.xx * share - mx * mx;
+    xy = s.xy * share - mx * my;
+    yy = s.yy * share - my * my;
+    const double q = (s.xx + s.yy) * share;
+    const double xq = s.xq * share - mx * q;
+    const double yq = s.yq * share - my * q;
+    const double qq = s.qq * share - q * q;
     // z, the squared distance from the mean, is q - 2 mx x - 2 my y and a constant.
     const double z = xx + yy;
     xz = xq - 2 * mx * xx - 2 * my * xy;
@@ -28,21 +29,9 @@ struct CentredMoments {
   }
 };
 
-double smaller_eigenvalue(double xx, double xy, double yy) {
-  const double half = (xx + yy) / 2;
-  const double difference = (xx - yy) / 2;
-  return std::max(0.0, half - std::sqrt(difference * difference + xy * xy));
-}
-
 }  // namespace
 
-double CurveMoments::line_chi_squared() const {
-  const double mx = x / w;
-  const double my = y / w;
-  return smaller_eigenvalue(xx - mx * x, xy - mx * y, yy - my * y);
-}
-
-CircleCost CurveMoments::circle() const {
+CircleCost CurveMoments::circle(double enough) const {
   const CentredMoments m(*this);
   const double z = m.xx + m.yy;
   const double determinant = m.xx * m.yy - m.xy * m.xy;
@@ -60,6 +49,7 @@ CircleCost CurveMoments::circle() const {
     const bool is_settled = next - root < 1e-9 * next;
     root = next;
     if (is_settled) break;
+    if (w * root > enough) return {w * root, INFINITY};
   }
   const double scale = 2 * (root * root - root * z + determinant);
   const double cx = (m.xz * (m.yy - root) - m.yz * m.xy) / scale;

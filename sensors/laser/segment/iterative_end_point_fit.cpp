@@ -1,25 +1,36 @@
 #include "sensors/laser/segment/iterative_end_point_fit.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "sensors/laser/internal/pairs.h"
 
 namespace ilss {
 namespace {
 
-/// The reading of largest `measure` above `least`, looked for from the middle outwards, so that the
-/// nearest to the middle wins among equals; 0 if there is none.
+/// The reading of largest `measure` above `least`; among equals the nearest to the middle, the
+/// later one first; 0 if there is none. `measure` takes two readings.
 template <typename Measure>
-std::size_t largest_from_middle(const ReadingRun& run, double least, const Measure& measure) {
+std::size_t largest_from_middle(std::span<const ScanPoint> points, const ReadingRun& run,
+                                double least, const Measure& measure) {
+  // The value first, without a branch that depends on it; then where it is.
+  double most = least;
+  double most_of_next = least;
+  std::size_t i = run.begin + 1;
+  for (; i + 2 < run.end; i += 2) {
+    const Pair values = measure(points[i], points[i + 1]);
+    most = values[0] > most ? values[0] : most;
+    most_of_next = values[1] > most_of_next ? values[1] : most_of_next;
+  }
+  if (i + 1 < run.end) most = std::max(most, measure(points[i], points[i])[0]);
+  most = std::max(most, most_of_next);
+  if (!(most > least)) return 0;
+  const auto is_it = [&](std::size_t k) { return measure(points[k], points[k])[0] >= most; };
   const std::size_t middle = run.begin + run.size() / 2;
-  std::size_t largest = 0;
-  const auto consider = [&](std::size_t i) {
-    const double value = measure(i);
-    if (value <= least) return;
-    least = value;
-    largest = i;
-  };
-  for (std::size_t i = std::max(middle, run.begin + 1); i + 1 < run.end; ++i) consider(i);
-  for (std::size_t i = middle; i-- > run.begin + 1;) consider(i);
-  return largest;
+  for (i = std::max(middle, run.begin + 1); i + 1 < run.end; ++i)
+    if (is_it(i)) return i;
+  for (i = middle - 1; i > run.begin + 1 && !is_it(i);) --i;
+  return i;
 }
 
 }  // namespace
@@ -37,15 +48,21 @@ std::size_t farthest_from_chord(std::span<const ScanPoint> points, const Reading
   const double dx = points[run.end - 1].x - first.x;
   const double dy = points[run.end - 1].y - first.y;
   const double length = dx * dx + dy * dy;
+  const auto x_of = [&](const ScanPoint& p, const ScanPoint& q) {
+    return Pair{p.x, q.x} - first.x;
+  };
+  const auto y_of = [&](const ScanPoint& p, const ScanPoint& q) {
+    return Pair{p.y, q.y} - first.y;
+  };
   if (length <= limit * limit)
-    return largest_from_middle(run, limit * limit, [&](std::size_t i) {
-      const double x = points[i].x - first.x;
-      const double y = points[i].y - first.y;
+    return largest_from_middle(points, run, limit * limit, [&](const auto& p, const auto& q) {
+      const Pair x = x_of(p, q);
+      const Pair y = y_of(p, q);
       return x * x + y * y;
     });
-  return largest_from_middle(run, limit * std::sqrt(length), [&](std::size_t i) {
-    return std::abs(dx * (points[i].y - first.y) - dy * (points[i].x - first.x));
-  });
+  return largest_from_middle(
+      points, run, limit * std::sqrt(length),
+      [&](const auto& p, const auto& q) { return magnitude(dx * y_of(p, q) - dy * x_of(p, q)); });
 }
 
 void IterativeEndPointFit::segment(std::span<const ScanPoint> points, const LaserNoise& noise,

@@ -1,6 +1,8 @@
 // The segments that explain a cluster best: lines and arcs, by dynamic programming.
 #pragma once
 
+#include <optional>
+
 #include "sensors/laser/features/laser_segment.h"
 #include "sensors/laser/segment/curve_moments.h"
 #include "sensors/laser/segment/segmenter.h"
@@ -45,21 +47,33 @@ class MaximumLikelihoodSegments {
     bool is_segment;    ///< the last piece; otherwise outliers
   };
 
-  double least_chi_squared(std::size_t begin, std::size_t end, double& cost) const;
+  /// A run with its exact fit, if it has one.
+  struct FittedRun {
+    ReadingRun run;
+    std::optional<LaserSegment> fit;
+  };
+
+  bool consider(std::size_t from, std::size_t at, Solution& best) const;
   void solve(std::size_t readings);
   LaserModelRule model() const;
-  double exact_cost(std::span<const ScanPoint> points, const LaserNoise& noise,
-                    const ReadingRun& run) const;
-  void join(std::span<const ScanPoint> points, const LaserNoise& noise, std::size_t first,
-            std::vector<ReadingRun>& runs) const;
+  FittedRun fit(std::span<const ScanPoint> points, const LaserNoise& noise,
+                const ReadingRun& run) const;
+  const std::optional<LaserSegment>& fit_of(std::span<const ScanPoint> points,
+                                            const LaserNoise& noise,
+                                            std::span<const ReadingRun> runs, std::size_t i);
+  double exact_cost(const std::optional<LaserSegment>& fit) const;
+  void join(std::span<const ScanPoint> points, const LaserNoise& noise,
+            std::vector<ReadingRun>& runs);
   void move_ends(std::span<const ScanPoint> points, const LaserNoise& noise,
-                 std::span<ReadingRun> runs) const;
+                 std::span<ReadingRun> runs);
 
   Options options_;
   CurveMomentSums sums_;
   std::vector<std::size_t> ends_;
   std::vector<Solution> solutions_;
   std::vector<std::size_t> beginnings_;  ///< solutions that a piece may still begin at
+  std::vector<ReadingRun> found_;
+  std::vector<FittedRun> fits_;  ///< of those found
 };
 
 }  // namespace ilss

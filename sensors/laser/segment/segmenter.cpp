@@ -1,6 +1,5 @@
 #include "sensors/laser/segment/segmenter.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace ilss {
@@ -14,13 +13,15 @@ void SegmentRule::declare(OptionVisitor& visit) {
 
 bool SegmentRule::accepts(std::span<const ScanPoint> segment) const {
   if (static_cast<std::int64_t>(segment.size()) < least_readings) return false;
-  const auto distance = [](const ScanPoint& a, const ScanPoint& b) {
-    return std::hypot(b.x - a.x, b.y - a.y);
+  const auto is_long = [&](const ScanPoint& a, const ScanPoint& b) {
+    const double x = b.x - a.x;
+    const double y = b.y - a.y;
+    return std::sqrt(x * x + y * y) >= least_length;
   };
   // A curve may come back to where it began.
   const ScanPoint& middle = segment[segment.size() / 2];
-  return std::max({distance(segment.front(), segment.back()), distance(segment.front(), middle),
-                   distance(middle, segment.back())}) >= least_length;
+  return is_long(segment.front(), segment.back()) || is_long(segment.front(), middle) ||
+         is_long(middle, segment.back());
 }
 
 }  // namespace ilss
