@@ -112,5 +112,38 @@ TEST(Breakpoints, FindNothingInAScanOfNoneOrTwoReadings) {
   EXPECT_EQ(fault_of(clusters_of(scan_of({0, 0, 0, 0})).outcome), "no_detection");
 }
 
+TEST(Breakpoints, GiveTheClustersOfNeighbourByNeighbourOnRandomScans) {
+  constexpr std::uint64_t seed = 20261128;
+  SCOPED_TRACE(seed);
+  std::mt19937_64 draw(seed);
+  std::uniform_real_distribution<double> unit;
+  const Breakpoints::Options options;
+  for (int scan = 0; scan < 1000; ++scan) {
+    std::vector<LaserBeam> beams(static_cast<std::size_t>(1 + 80 * unit(draw)));
+    double range = 2;
+    double bearing = -1;
+    for (LaserBeam& beam : beams) {
+      if (unit(draw) < 0.1) range = 0.5 + 3 * unit(draw);
+      bearing += unit(draw) < 0.02 ? 0.03 : 0.5 * degree;
+      beam = {bearing, unit(draw) < 0.1 ? 0 : range + 0.01 * unit(draw)};
+    }
+    const LaserNoise noise = noise_of(scan_output(beams).estimate);
+    BreakpointRule rule(options.incidence, options.deviations * noise.range_deviation());
+    std::vector<ReadingRun> plain;
+    bool is_open = false;
+    for (std::size_t i = 0; i < beams.size(); ++i) {
+      const bool goes_on = is_open && !rule.breaks(beams[i - 1].range, beams[i].range,
+                                                   beams[i].bearing - beams[i - 1].bearing);
+      is_open = beams[i].range > 0;
+      if (is_open && goes_on) plain.back().end = i + 1;
+      if (is_open && !goes_on) plain.push_back({i, i + 1});
+    }
+    std::erase_if(plain, [](const ReadingRun& run) { return run.size() < 3; });
+    const ModuleRun clusters = clusters_of(beams);
+    ASSERT_EQ(clusters.outcome.has_output(), !plain.empty()) << "scan " << scan;
+    if (!plain.empty()) EXPECT_EQ(runs_of(clusters.output), plain) << "scan " << scan;
+  }
+}
+
 }  // namespace
 }  // namespace ilss

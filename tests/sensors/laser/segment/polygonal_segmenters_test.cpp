@@ -29,6 +29,57 @@ std::vector<ScanPoint> wall_points(std::uint64_t seed, double range_std = 0.005)
       seed);
 }
 
+/// The end-point fit as it is told: one reading after another from the middle outwards.
+void fit_plainly(std::span<const ScanPoint> points, const ReadingRun& run, double limit,
+                 std::vector<ReadingRun>& runs) {
+  const ScanPoint& first = points[run.begin];
+  const double dx = points[run.end - 1].x - first.x;
+  const double dy = points[run.end - 1].y - first.y;
+  const bool is_closed = dx * dx + dy * dy <= limit * limit;
+  double most = is_closed ? limit * limit : limit * std::sqrt(dx * dx + dy * dy);
+  std::size_t split = 0;
+  const auto consider = [&](std::size_t i) {
+    if (i <= run.begin || i + 1 >= run.end) return;
+    const double x = points[i].x - first.x;
+    const double y = points[i].y - first.y;
+    const double distance = is_closed ? x * x + y * y : std::abs(dx * y - dy * x);
+    if (distance <= most) return;
+    most = distance;
+    split = i;
+  };
+  const std::size_t middle = run.begin + run.size() / 2;
+  for (std::size_t i = middle; i < run.end; ++i) consider(i);
+  for (std::size_t i = middle; i-- > run.begin;) consider(i);
+  if (split == 0) return runs.push_back(run);
+  fit_plainly(points, {run.begin, split}, limit, runs);
+  fit_plainly(points, {split, run.end}, limit, runs);
+}
+
+TEST(IterativeEndPointFit, GivesTheSegmentsOfItsPlainFormOnRandomPoints) {
+  constexpr std::uint64_t seed = 20261128;
+  SCOPED_TRACE(seed);
+  std::mt19937_64 draw(seed);
+  std::uniform_int_distribution<int> count(1, 60);
+  std::uniform_int_distribution<int> step(-2, 2);
+  constexpr double threshold = 0.05;
+  for (int scan = 0; scan < 2000; ++scan) {
+    // A walk on a coarse grid: many distances are equal.
+    std::vector<ScanPoint> points(static_cast<std::size_t>(count(draw)));
+    double x = 0;
+    double y = 0;
+    for (ScanPoint& p : points) {
+      p.x = x += 0.04 * step(draw);
+      p.y = y += 0.04 * step(draw);
+    }
+    std::vector<ReadingRun> plain;
+    fit_plainly(points, {0, points.size()}, threshold, plain);
+    EXPECT_EQ(
+        runs_of_points<IterativeEndPointFit>(points, {.threshold = threshold, .deviations = 0}),
+        plain)
+        << "scan " << scan;
+  }
+}
+
 TEST(IterativeEndPointFit, TakesAClosedRunApartAtThePointFarthestFromItsEnd) {
   // A square room around the laser, whose last reading is the first again.
   const auto points = points_of(beams_to(-pi, pi, 361, [](double bearing) {
