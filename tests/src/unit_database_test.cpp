@@ -29,8 +29,7 @@ TEST(UnitDatabase, IsNotReadForTheUnitsOfAnyShippedGraph) {
 }
 
 TEST(UnitDatabase, IsReadForOtherUnits) {
-  const std::string call =
-      "check graphs/wall_pose_sonar.yaml --set 'constants.robot_x=-4 feet'";
+  const std::string call = "check graphs/wall_pose_sonar.yaml --set 'constants.robot_x=-4 feet'";
   EXPECT_EQ(call_command(call).status, 0);
   const Heard heard = call_without_database(call);
   EXPECT_EQ(heard.status, 2);
