@@ -23,4 +23,4 @@ extern "C" void* malloc(std::size_t size) noexcept {
 
 /// Skips a test that cannot count.
 #define SKIP_UNLESS_ALLOCATIONS_ARE_COUNTED() \
-  if (!counts_allocations) GTEST_SKIP() << "a sanitizer stands in for malloc"
+  if (!counts_allocations) GTEST_SKIP() << "by design: a sanitizer stands in for malloc"

@@ -10,6 +10,8 @@
 #include <mutex>
 #include <optional>
 
+#include "framework/estimate/unit_table/unit_table.h"
+
 namespace ilss {
 namespace {
 
@@ -18,7 +20,8 @@ struct UnitDeleter {
 };
 using UnitPointer = std::unique_ptr<ut_unit, UnitDeleter>;
 
-/// UDUNITS-2's database, read once and never freed: it lives as long as the program.
+/// UDUNITS-2's database, read once, where it is first needed (15 ms), and never freed: it lives as
+/// long as the program.
 class UnitSystem {
  public:
   UnitSystem() {
@@ -106,6 +109,12 @@ std::optional<UnitConversion> affine_map(const cv_converter* converter) {
   return UnitConversion{at_1 - at_0, at_0};
 }
 
+std::optional<UnitConversion> ordinary_conversion(std::string_view unit, std::string_view si_unit) {
+  for (const OrdinaryConversion& ordinary : ordinary_conversions)
+    if (ordinary.unit == unit && ordinary.si_unit == si_unit) return ordinary.conversion;
+  return std::nullopt;
+}
+
 std::variant<UnitConversion, std::string> find_conversion(std::string_view unit,
                                                           std::string_view si_unit) {
   const UnitSystem& system = unit_system();
@@ -181,6 +190,7 @@ std::string dimension_name(std::string_view si_unit) {
 std::variant<UnitConversion, std::string> unit_conversion(std::string_view unit,
                                                           std::string_view si_unit) {
   if (unit == si_unit) return UnitConversion{};
+  if (const auto ordinary = ordinary_conversion(unit, si_unit)) return *ordinary;
   static std::map<std::pair<std::string, std::string>, std::variant<UnitConversion, std::string>,
                   std::less<>>
       known;
@@ -193,6 +203,8 @@ std::variant<UnitConversion, std::string> unit_conversion(std::string_view unit,
 
 std::optional<std::string> si_unit(std::string_view unit) {
   if (unit.empty() || unit == "1") return "1";
+  for (const OrdinaryUnit& ordinary : ordinary_units)
+    if (ordinary.unit == unit) return std::string(ordinary.base);
   std::optional<std::string> base;
   {
     const std::lock_guard lock(udunits_mutex());

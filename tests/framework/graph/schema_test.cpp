@@ -40,7 +40,7 @@ class SchemaByPython : public testing::Test {
  protected:
   void SetUp() override {
     if (std::system("python3 -c 'import jsonschema, yaml' 2>/dev/null") != 0)
-      GTEST_SKIP() << "SKIPPED: python3-jsonschema or python3-yaml is not installed, so the schema "
+      GTEST_SKIP() << "python3-jsonschema or python3-yaml is not installed, so the schema "
                       "was not tried on any graph";
   }
   bool accepts(const std::string& schema, const std::filesystem::path& graph) const {

@@ -23,8 +23,9 @@ namespace {
 const std::filesystem::path log_folder =
     std::filesystem::path(ILSS_SOURCE_DIR) / "../shared/data/laser";
 
-#define SKIP_WITHOUT(file) \
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "skipped: " << (file) << " is not here"
+#define SKIP_WITHOUT(file)            \
+  if (!std::filesystem::exists(file)) \
+  GTEST_SKIP() << "by design: the whole log is not here: " << (file)
 
 /// A log, taken scan by scan through breakpoints and a segmenter.
 class SegmentedLog {

@@ -152,7 +152,7 @@ TYPED_TEST(SegmenterTest, DoesNotMergeTheWallsBesideADoorway) {
 
 TYPED_TEST(SegmenterTest, PutsEveryReadingOfAClusterIntoOneRun) {
   if constexpr (std::is_same_v<TypeParam, MaximumLikelihoodSegments>)
-    GTEST_SKIP() << "ours leaves out readings that fit nothing";
+    GTEST_SKIP() << "by design: ours leaves out readings that fit nothing";
   TypeParam algorithm({});
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -185,7 +185,7 @@ TYPED_TEST(SegmenterTest, FindsNothingWithoutReturns) {
 
 TYPED_TEST(SegmenterTest, TakesTwoReadingsAsOneSegmentIfThatIsEnough) {
   if constexpr (std::is_same_v<TypeParam, MaximumLikelihoodSegments>)
-    GTEST_SKIP() << "ours takes three readings at least";
+    GTEST_SKIP() << "by design: ours takes three readings at least";
   const auto beams = beams_to(0, 0.01, 2, [](double) { return 2.0; });
   EXPECT_EQ(fault_of(this->chain(scan_output(beams)).outcome), "no_detection");
   Segmenter<TypeParam> segmenter({{}, {.least_readings = 2, .least_length = 0}});
@@ -215,7 +215,7 @@ TYPED_TEST(SegmenterTest, GivesAnOutcomeForRangesBeyondAnySquare) {
 
 TYPED_TEST(SegmenterTest, FindsTheWallsOfARoomWithAHundredThousandBeams) {
   if constexpr (std::is_same_v<TypeParam, MaximumLikelihoodSegments>)
-    GTEST_SKIP() << "ours costs n times the length of segments: not for so many beams";
+    GTEST_SKIP() << "by design: ours costs n times the length of segments: not for so many beams";
   const auto beams = this->noisy(beams_to(-pi, pi, 100000, range_to_room), 9);
   Segmenter<TypeParam> segmenter({});
   const Output cluster = cluster_output(beams);
@@ -238,7 +238,7 @@ TYPED_TEST(SegmenterTest, CoversACircleSeenAllAround) {
 
 TYPED_TEST(CurveSegmenterTest, TakesACircleSeenAllAroundAsOne) {
   if constexpr (std::is_same_v<TypeParam, MaximumLikelihoodSegments>)
-    GTEST_SKIP() << "ours has a largest radius";
+    GTEST_SKIP() << "by design: ours has a largest radius";
   for (const double radius : {0.5, 2.0, 5.0}) {
     SCOPED_TRACE(testing::Message() << "radius " << radius);
     const auto beams = this->noisy(beams_to(-pi, pi, 720, [&](double) { return radius; }), 17);

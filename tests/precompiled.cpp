@@ -1,0 +1,1 @@
+// Compiles nothing: the library of this file has the headers that all test programs precompile.
