@@ -29,9 +29,9 @@ enum class Redo {
 class Perturbation {
  public:
   /// Takes the system as it stands. `cut` names nodes (sorted) that are moved in any case, as
-  /// are those whose outputs come from outside. Outputs come without lineages, which costs less, unless a module weighs the
-  /// errors of its inputs or `with_lineages` asks for them: those that are stated at the moved
-  /// values.
+  /// are those whose outputs come from outside. Outputs come without lineages, which costs less,
+  /// unless a module weighs the errors of its inputs or `with_lineages` asks for them: those that
+  /// are stated at the moved values.
   Perturbation(const System& system, std::span<const std::size_t> targets,
                std::span<const std::size_t> cut, Redo redo, bool with_lineages = false);
 

@@ -31,8 +31,8 @@ TEST(MonteCarlo, OfALinearSumIsItsFirstOrder) {
 modules: {x: {type: reading, value: 1 m, value_std: 3 mm}, y: {type: reading, value: 2 m, value_std: 4 mm}, a: {type: add}}
 network: {serial: [combine: [x, y], a]}
 )");
-  // The place of the shortest interval scatters with the cube root of the trials: as many as may be,
-  // for two digits of it.
+  // The place of the shortest interval scatters with the cube root of the trials: as many as may
+  // be, for two digits of it.
   const MonteCarloOutput result = run(plan, {.trials = most_trials});
   EXPECT_EQ(result.trials, most_trials);
   EXPECT_EQ(result.faults, 0U);
