@@ -24,7 +24,7 @@ commands: {set: dial.set, add: dial.add, text: dial.text, time: dial.time}
 void schedule(Runner& runner, const std::string& name, CommandValue value, double time) {
   const std::vector<PlanCommand>& commands = runner.system().plan().commands;
   for (std::size_t i = 0; i < commands.size(); ++i)
-    if (commands[i].name == name) return runner.schedule({i, std::move(value), time});
+    if (commands[i].name == name) return runner.schedule({i, std::move(value), time_at(time)});
   FAIL() << name;
 }
 

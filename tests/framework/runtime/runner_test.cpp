@@ -72,7 +72,7 @@ TEST(Runner, SameSeedGivesTheSameOutputsBitForBitMeasuredOrNot) {
   for (int tick = 0; tick < 200; ++tick) {
     measured.step(time_at(0.1 * tick));
     again.step(time_at(0.1 * tick));
-    bare.evaluate(0.1 * tick);
+    bare.evaluate(time_at(0.1 * tick));
     for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
       const Output& one = measured.system().node(i).output();
       for (const System* other :

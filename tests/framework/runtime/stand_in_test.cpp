@@ -132,8 +132,9 @@ network: {combine: [fast, slow]}
     which.emplace_back(std::string(system.node(0).fresh ? "fast" : "") +
                        (system.node(1).fresh ? "slow" : ""));
     for (std::size_t node = 0; node < 2; ++node)
-      if (system.node(node).fresh)
+      if (system.node(node).fresh) {
         EXPECT_EQ(system.node(node).output().acquired, Acquisition::at(*next));
+      }
   }
   EXPECT_EQ(times, (std::vector<double>{10, 10.5, 11, 12, 12.5, 13}));
   EXPECT_EQ(which, (std::vector<std::string>{"fast", "slow", "fast", "fast", "slow", "fast"}));
