@@ -15,7 +15,7 @@ Regions::Regions(const Plan& plan, const std::vector<bool>& given)
     for (std::size_t j = 0; j < i; ++j)
       if (place_[j] == i) region.all.push_back(j);
     for (std::size_t k = 0; k < plan.nodes[i].inputs.size(); ++k)
-      region.branches.push_back(find_branch(plan, i, k));
+      region.branches.push_back(find_branch(plan, given, i, k));
   }
 }
 
@@ -51,8 +51,8 @@ std::size_t Regions::common_place(std::size_t a, std::size_t b) const {
   return a;
 }
 
-std::vector<std::size_t> Regions::find_branch(const Plan& plan, std::size_t selector,
-                                              std::size_t input) const {
+std::vector<std::size_t> Regions::find_branch(const Plan& plan, const std::vector<bool>& given,
+                                              std::size_t selector, std::size_t input) const {
   const std::size_t root = plan.nodes[selector].inputs[input].node;
   std::vector<char> needed(root + 1, 0);
   needed[root] = 1;
@@ -60,6 +60,7 @@ std::vector<std::size_t> Regions::find_branch(const Plan& plan, std::size_t sele
   for (std::size_t i = root + 1; i-- > 0;) {
     if (needed[i] == 0) continue;
     if (place_[i] == selector) branch.push_back(i);
+    if (given[i]) continue;
     for (const PlanInput& from : plan.nodes[i].inputs) needed[from.node] = 1;
   }
   std::reverse(branch.begin(), branch.end());

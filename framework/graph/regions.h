@@ -38,8 +38,8 @@ class Regions {
 
   void find_places(const Plan& plan, const std::vector<bool>& given);
   std::size_t common_place(std::size_t a, std::size_t b) const;
-  std::vector<std::size_t> find_branch(const Plan& plan, std::size_t selector,
-                                       std::size_t input) const;
+  std::vector<std::size_t> find_branch(const Plan& plan, const std::vector<bool>& given,
+                                       std::size_t selector, std::size_t input) const;
 
   static constexpr std::size_t every_tick = std::numeric_limits<std::size_t>::max();
   static constexpr std::size_t left_out = every_tick - 1;

@@ -22,8 +22,8 @@ using Duration = RunClock::duration;
 /// Since the start of the run, or, where the run follows a log, since the epoch of its stamps.
 using Time = RunClock::time_point;
 
-/// A duration as a number to compute with (s).
-constexpr double seconds(Duration duration) { return static_cast<double>(duration.count()) * 1e-9; }
+/// A duration as the nearest number to compute with (s).
+constexpr double seconds(Duration duration) { return static_cast<double>(duration.count()) / 1e9; }
 /// A moment as a number to compute with (s since the clock's zero).
 constexpr double seconds(Time time) { return seconds(time.time_since_epoch()); }
 

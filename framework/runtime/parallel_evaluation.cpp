@@ -1,5 +1,7 @@
 #include "framework/runtime/parallel_evaluation.h"
 
+#include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
@@ -35,6 +37,9 @@ class ParallelEvaluation::Tasks {
  public:
   Tasks(System& system, unsigned threads)
       : system_(system),
+        workers_(tbb::global_control::max_allowed_parallelism,
+                 std::max<std::size_t>(threads,
+                                       static_cast<std::size_t>(tbb::info::default_concurrency()))),
         arena_(static_cast<int>(
             std::min(threads, static_cast<unsigned>(std::numeric_limits<int>::max())))),
         followers_(system.size()),
@@ -103,6 +108,7 @@ class ParallelEvaluation::Tasks {
   }
 
   System& system_;
+  tbb::global_control workers_;  ///< more than the machine has, where more are asked for
   tbb::task_arena arena_;
   tbb::task_group tasks_;
   std::vector<std::size_t> first_;                   ///< nodes that wait for nothing

@@ -395,7 +395,7 @@ network: {serial: [a, g]}
     std::vector<Estimate> estimates;
     for (const std::size_t n : {10u, 100u, 1000u}) {
       while (estimates.size() < n) {
-        system.evaluate(static_cast<double>(estimates.size()));
+        system.evaluate(time_at(static_cast<double>(estimates.size())));
         estimates.push_back(output_of(system));
       }
       const std::vector<double> weights(n, 1.0 / static_cast<double>(n));

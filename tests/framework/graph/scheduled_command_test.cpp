@@ -37,14 +37,14 @@ TEST(ScheduledCommand, IsAQuantityInSiAtATime) {
   const ScheduledCommand command = read("look_at=30 deg@1.5 s");
   EXPECT_EQ(command.command, 0U);
   EXPECT_DOUBLE_EQ(std::get<double>(command.value), 30 * degree);
-  EXPECT_EQ(command.time, 1.5);
+  EXPECT_EQ(command.time, time_at(1.5));
 }
 
-TEST(ScheduledCommand, WithoutATimeIsForTheStart) { EXPECT_EQ(read("zoom=2").time, 0); }
+TEST(ScheduledCommand, WithoutATimeIsForTheStart) { EXPECT_EQ(read("zoom=2").time, time_at(0)); }
 
 TEST(ScheduledCommand, HasAValueOfEachDeclaredKind) {
   EXPECT_EQ(read("zoom=2.5@200 ms").value, CommandValue(2.5));
-  EXPECT_EQ(read("zoom=2.5@200 ms").time, 0.2);
+  EXPECT_EQ(read("zoom=2.5@200 ms").time, time_at(0.2));
   EXPECT_EQ(read("sweeps=-3").value, CommandValue(std::int64_t{-3}));
   EXPECT_EQ(read("light=true").value, CommandValue(true));
   EXPECT_EQ(read("label=top left").value, CommandValue(std::string("top left")));
@@ -55,7 +55,7 @@ TEST(ScheduledCommand, HasAValueOfEachDeclaredKind) {
 TEST(ScheduledCommand, IsSplitAtTheFirstEqualsSignAndTheLastAt) {
   const ScheduledCommand command = read("label=a=b@c@2 s");
   EXPECT_EQ(command.value, CommandValue(std::string("a=b@c")));
-  EXPECT_EQ(command.time, 2);
+  EXPECT_EQ(command.time, time_at(2));
 }
 
 TEST(ScheduledCommand, TellsAnUnknownNameWhatThereIs) {

@@ -84,7 +84,8 @@ network: {serial: [{combine: [{serial: [{combine: [a, b]}, inner]}, c]}, outer]}
   EXPECT_EQ(names(plan, regions.branch(plan.find("inner").value(), 1)), (Names{"b"}));
   System system(plan, 1);
   for (int tick = 0; tick < 4; ++tick) system.evaluate(time_at(tick));
-  EXPECT_EQ(value(system, "a"), 1) << "outer looks at inner in ticks 0 and 2, both even";
+  EXPECT_EQ(value(system, "a"), 2) << "outer looks at inner in ticks 0 and 2, both even";
+  EXPECT_FALSE(system.node(plan.find("b").value()).has_value);
   EXPECT_EQ(value(system, "c"), 2);
 }
 

@@ -68,7 +68,8 @@ std::vector<std::string> open_errors(const std::string& graph, RunOptions option
   const Plan plan = plan_of(graph);
   ilss::Run run(plan, std::move(options));
   Diagnostics diagnostics;
-  EXPECT_EQ(run.open(diagnostics), diagnostics.empty());
+  const bool is_open = run.open(diagnostics);
+  EXPECT_EQ(is_open, diagnostics.empty());
   std::vector<std::string> lines;
   for (const Diagnostic& diagnostic : diagnostics.sorted())
     lines.push_back(format_diagnostic(diagnostic));
