@@ -348,6 +348,7 @@ void System::select(std::size_t i, NodeObserver* observer) {
     return;
   }
   if (!chosen) return;
+  state.selected = *chosen;
   const NodeState& branch = *state.feeds_[*chosen].producer;
   state.current_ = branch.current_;
   state.outcome = branch.outcome.is_fault()     ? Outcome<>(branch.outcome.fault())

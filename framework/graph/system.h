@@ -25,9 +25,10 @@ struct NodeState {
   std::unique_ptr<Module> module;
   Outcome<> outcome = Pending{};
   std::optional<std::size_t> origin =
-      {};                  ///< the node whose fault this is, where it came from above
-  bool has_value = false;  ///< `output()` holds one
-  bool fresh = false;      ///< made in this tick
+      {};                    ///< the node whose fault this is, where it came from above
+  bool has_value = false;    ///< `output()` holds one
+  bool fresh = false;        ///< made in this tick
+  std::size_t selected = 0;  ///< of a selector: the input that `output()` is
 
   NodeState() = default;
   NodeState(const NodeState&) = delete;  // others hold where its output is

@@ -40,7 +40,7 @@ Perturbation::Perturbation(const System& system, std::span<const std::size_t> ta
     with_lineages_ |= step.role == Step::Role::redone &&
                       (node.type->weighs_errors || node.type->kind == ModuleKind::estimator);
     step.seed = derive_seed(0, node.name);
-    if (step.role != Step::Role::redone) continue;
+    if (step.role != Step::Role::redone && step.role != Step::Role::selected) continue;
     for (const PlanInput& input : node.inputs) step.producers.push_back(place_of_node(input.node));
   }
   refresh();
@@ -64,7 +64,8 @@ void Perturbation::find_region(std::span<const std::size_t> targets,
   while (!waiting.empty()) {
     const std::size_t node = waiting.back();
     waiting.pop_back();
-    const bool is_function = plan.nodes[node].type->kind == ModuleKind::function;
+    const ModuleType& type = *plan.nodes[node].type;
+    const bool is_function = type.kind == ModuleKind::function || type.selects;
     if ((!is_function && redo == Redo::functions) || is_cut(node)) continue;
     for (const PlanInput& input : plan.nodes[node].inputs)
       if (region.insert(input.node).second) waiting.push_back(input.node);
@@ -86,7 +87,8 @@ void Perturbation::drop_unneeded(std::span<const std::size_t> targets) {
   std::vector<char> needed(steps_.size(), 0);
   for (const std::size_t target : targets) needed[place_of_node(target)] = 1;
   for (std::size_t s = steps_.size(); s-- > 0;)
-    if (needed[s] && steps_[s].role == Step::Role::redone)
+    if (needed[s] &&
+        (steps_[s].role == Step::Role::redone || steps_[s].role == Step::Role::selected))
       for (const PlanInput& input : system_.plan().nodes[steps_[s].node].inputs)
         needed[place_of_node(input.node)] = 1;
   std::size_t kept = 0;
@@ -99,12 +101,13 @@ Perturbation::Step::Role Perturbation::role_of(std::size_t node, bool cut, Redo 
   using Role = Step::Role;
   const PlanNode& plan_node = system_.plan().nodes[node];
   if (cut) return Role::moved;
-  if (plan_node.type->kind == ModuleKind::function) return Role::redone;
-  if (redo == Redo::functions) return Role::moved;
-  if (plan_node.type->kind == ModuleKind::sensor)
+  const bool selects = plan_node.type->selects;
+  if (plan_node.type->kind == ModuleKind::function && !selects) return Role::redone;
+  if (redo == Redo::functions && !selects) return Role::moved;
+  if (plan_node.type->kind == ModuleKind::sensor && !selects)
     return plan_node.interface.draws_readings ? Role::simulated : Role::moved;
-  // An estimator can be redone where everything that feeds it is new or merely numbers, and
-  // something is new.
+  // An estimator can be redone, and a selector passes on what is, where everything that feeds it is
+  // new or merely numbers, and something is new.
   bool any_new = false;
   for (const PlanInput& input : plan_node.inputs) {
     const Role role = steps_[place_of_node(input.node)].role;
@@ -112,15 +115,15 @@ Perturbation::Step::Role Perturbation::role_of(std::size_t node, bool cut, Redo 
     if (role == Role::moved && has_samples) return Role::moved;
     any_new |= role != Role::moved;
   }
-  return any_new ? Role::redone : Role::moved;
+  if (!any_new) return Role::moved;
+  return selects ? Role::selected : Role::redone;
 }
 
 void Perturbation::refresh() {
   sources_.clear();
+  find_needed();
   for (Step& step : steps_) {
-    // A value that is held from an earlier tick is as good as one of this tick.
-    step.there = system_.node(step.node).has_value;
-    for (const std::size_t producer : step.producers) step.there &= steps_[producer].there;
+    step.there = step.needed && is_there(step);
     if (step.there) collect(step);
   }
   std::sort(sources_.begin(), sources_.end());
@@ -131,8 +134,34 @@ void Perturbation::refresh() {
   for (Step& step : steps_) prepare(step);
 }
 
+/// Marks what the targets follow from, as selectors have selected.
+void Perturbation::find_needed() {
+  for (Step& step : steps_) step.needed = false;
+  for (const std::size_t target : targets_) steps_[target].needed = true;
+  for (std::size_t s = steps_.size(); s-- > 0;) {
+    Step& step = steps_[s];
+    if (!step.needed) continue;
+    if (step.role == Step::Role::selected) {
+      step.selected = system_.node(step.node).selected;
+      steps_[step.producers[step.selected]].needed = true;
+    } else {
+      for (const std::size_t producer : step.producers) steps_[producer].needed = true;
+    }
+  }
+}
+
+/// Whether there is an output to begin with, and all that it is redone from. One that is held from
+/// an earlier tick is as good as one of this tick.
+bool Perturbation::is_there(const Step& step) const {
+  if (!system_.node(step.node).has_value) return false;
+  if (step.role == Step::Role::selected) return steps_[step.producers[step.selected]].there;
+  return std::all_of(step.producers.begin(), step.producers.end(),
+                     [this](std::size_t p) { return steps_[p].there; });
+}
+
 /// Adds the sources that move a step, or its parameters.
 void Perturbation::collect(const Step& step) {
+  if (step.role == Step::Role::selected) return;
   const Lineage& lineage = step.role == Step::Role::moved
                                ? system_.node(step.node).output().estimate.lineage
                                : system_.plan().nodes[step.node].parameters.lineage;
@@ -160,6 +189,12 @@ void Perturbation::prepare(Step& step) {
   step.shown = &state.output();
   step.movable = false;
   if (!step.there) return;
+  if (step.role == Step::Role::selected) {
+    const Step& selected = steps_[step.producers[step.selected]];
+    step.shown = selected.shown;
+    step.movable = selected.movable;
+    return;
+  }
   find_places(
       step.role == Step::Role::moved ? state.output().estimate.lineage : node.parameters.lineage,
       step.places);
@@ -191,6 +226,10 @@ void Perturbation::apply(std::span<const double> errors, std::uint64_t seed) {
   const auto is_changed = [this](std::size_t k) { return k != no_source && changed_[k] != 0; };
   for (Step& step : steps_) {
     if (!step.movable) continue;
+    if (step.role == Step::Role::selected) {
+      pass_on(step);
+      continue;
+    }
     step.changed = (draws_anew && step.role == Step::Role::simulated) ||
                    std::any_of(step.places.begin(), step.places.end(), is_changed) ||
                    std::any_of(step.producers.begin(), step.producers.end(),
@@ -202,6 +241,15 @@ void Perturbation::apply(std::span<const double> errors, std::uint64_t seed) {
     else
       redo(step, seed);
   }
+}
+
+/// A selector says what its branch says.
+void Perturbation::pass_on(Step& step) const {
+  const Step& selected = steps_[step.producers[step.selected]];
+  step.changed = selected.changed;
+  step.failed = selected.failed;
+  step.changed_label = selected.changed_label;
+  step.fault_from = selected.fault_from != nullptr ? selected.fault_from : &selected;
 }
 
 void Perturbation::redo(Step& step, std::uint64_t seed) {
@@ -265,7 +313,7 @@ void Perturbation::offset(std::size_t target, std::span<double> out) const {
 Fault Perturbation::fault(std::size_t target) const {
   const Step* from = &target_step(target);
   // One without an output to begin with may be so because of what feeds it.
-  while (!from->there && !from->producers.empty()) {
+  while (!from->there && !from->producers.empty() && from->role != Step::Role::selected) {
     const auto missing = std::find_if(from->producers.begin(), from->producers.end(),
                                       [this](std::size_t p) { return !steps_[p].there; });
     if (missing == from->producers.end()) break;

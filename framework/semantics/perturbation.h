@@ -22,10 +22,10 @@ enum class Redo {
 /// function behind it is evaluated again with its parameters moved. A simulated sensor draws a
 /// reading with its nominal parameters, which are the simulation's truth, and then moves what it
 /// says of itself by the lineage of its parameters; an estimator that it feeds is reset and
-/// evaluated. Knows only the nodes that the targets follow from, and of these redoes those that
-/// follow from what has changed: what no error reaches is neither copied nor evaluated. Instances
-/// of modules are its own, made when first needed, so that several may work side by side; no
-/// allocation once warm.
+/// evaluated; a selector passes on the branch that it had selected. Knows only the nodes that the
+/// targets follow from, and of these redoes those that follow from what has changed: what no error
+/// reaches is neither copied nor evaluated. Instances of modules are its own, made when first
+/// needed, so that several may work side by side; no allocation once warm.
 class Perturbation {
  public:
   /// Takes the system as it stands. `cut` names nodes (sorted) that are moved in any case, as
@@ -68,7 +68,7 @@ class Perturbation {
 
    private:
     friend class Perturbation;
-    enum class Role { moved, redone, simulated };
+    enum class Role { moved, redone, simulated, selected };
     Role role = Role::moved;
     std::unique_ptr<Module> module = nullptr;
     const Output* shown = nullptr;  ///< `output`, or the system's where no error reaches it
@@ -80,8 +80,10 @@ class Perturbation {
     Fault fault = {};
     const Step* fault_from = nullptr;
     std::uint64_t seed = 0;
-    bool there = false;    ///< has an output to begin with
-    bool movable = false;  ///< some error reaches it
+    std::size_t selected = 0;  ///< of a selector: the producer whose output it passes on
+    bool needed = false;       ///< no target follows from the branches that are not selected
+    bool there = false;        ///< has an output to begin with
+    bool movable = false;      ///< some error reaches it
     bool changed = false;
     bool failed = false;
     bool changed_label = false;
@@ -98,9 +100,12 @@ class Perturbation {
                    Redo redo);
   Step::Role role_of(std::size_t node, bool cut, Redo redo) const;
   void drop_unneeded(std::span<const std::size_t> targets);
+  void find_needed();
+  bool is_there(const Step& step) const;
   void collect(const Step& step);
   void find_places(const Lineage& lineage, std::vector<std::size_t>& places) const;
   void prepare(Step& step);
+  void pass_on(Step& step) const;
   void redo(Step& step, std::uint64_t seed);
   void move_simulated(Step& step) const;
 

@@ -26,12 +26,33 @@ struct Tracked {
   }
 };
 
+/// Passes on one input after the other.
+class Alternate final : public Selector {
+ public:
+  static constexpr std::string_view name = "alternate";
+  static constexpr std::string_view description = "One input after the other";
+  static constexpr ModuleKind kind = ModuleKind::estimator;
+  struct Options {
+    void declare(OptionVisitor&) {}
+  };
+  static Interface interface() {
+    return {{{"alternates", &descriptor<Scalar>(), {}, true}}, &descriptor<Scalar>(), {}, 0};
+  }
+  explicit Alternate(const Options&) {}
+  Outcome<std::size_t> select(const Evaluation& evaluation, Branches& branches) override {
+    const std::size_t wanted = static_cast<std::size_t>(evaluation.tick) % branches.size();
+    branches.evaluate(wanted);
+    return wanted;
+  }
+};
+
 const Registry& registry_with_tracked() {
   static const Registry result = [] {
     Registry modules;
     for (const std::string& name : test::registry().names())
       modules.add(*test::registry().find(name));
     modules.add<Tracked>();
+    modules.add<Alternate>();
     return modules;
   }();
   return result;
@@ -214,6 +235,32 @@ network: {serial: [combine: [slow, fast], sum]}
   ASSERT_TRUE(system.node(plan.find("slow").value()).outcome.is_pending());
   ASSERT_TRUE(system.node(plan.outputs[0]).outcome.has_output());
   EXPECT_EQ(judge(system).front().verdict, Verdict::linear_ok);
+}
+
+TEST(Judge, WhatASelectorPassesOnIsJudgedAsItsBranchIs) {
+  const Plan plan = plan_with_tracked(R"(
+modules:
+  plain: {type: reading, value: 1 m, value_std: 1 cm}
+  zero: {type: reading, value: 0 m, value_std: 1 m}
+  waved: {type: tracked}
+  use: {type: alternate}
+  behind: {type: gain, gain: 2}
+network: {serial: [combine: [{serial: [zero, waved]}, plain], use, behind]}
+)");
+  System system(plan, 1);
+  Judge kept(system);
+  const auto verdict_of = [&](std::string_view name) {
+    return Judge(system, {plan.find(name).value()}).judge().front();
+  };
+  for (int tick = 0; tick < 4; ++tick) {
+    SCOPED_TRACE(tick);
+    system.evaluate(time_at(0.1 * tick));
+    const std::string branch = tick % 2 == 0 ? "waved" : "plain";
+    EXPECT_EQ(verdict_of(branch).verdict, tick % 2 == 0 ? Verdict::not_linear : Verdict::linear_ok);
+    expect_equal(verdict_of("use"), verdict_of(branch));
+    EXPECT_EQ(kept.judge().front().verdict, verdict_of(branch).verdict);
+    EXPECT_EQ(kept.judge().front().verdict, judge(system).front().verdict);
+  }
 }
 
 TEST(Perturbation, RedoesOnlyWhatFollowsFromAChangedError) {
