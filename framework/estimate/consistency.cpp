@@ -1,7 +1,5 @@
 #include "framework/estimate/consistency.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <array>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
@@ -9,7 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "framework/estimate/fields.h"
+#include "framework/estimate/decompositions.h"
 
 namespace ilss {
 
@@ -27,17 +25,17 @@ void add_normalized(const Vector& scaled, const Matrix& correlation, Eigen::Inde
   // An eigenvalue is at least the determinant divided by e, since all together are n: where that is
   // well above the tolerance the rank is full, and Cholesky's factor is enough.
   constexpr double clearly_regular = 1e-6;
-  const Eigen::LLT<Matrix> cholesky(correlation);
-  if (cholesky.info() == Eigen::Success) {
-    const double root = cholesky.matrixLLT().diagonal().prod();
+  const auto factors = cholesky(correlation);
+  if (factors.info() == Eigen::Success) {
+    const double root = factors.matrixLLT().diagonal().prod();
     if (root * root > clearly_regular) {
-      const Vector white = cholesky.matrixL().solve(scaled);
+      const Vector white = factors.matrixL().solve(scaled);
       result.value = white.squaredNorm();
       result.rank = static_cast<int>(scaled.size());
       return;
     }
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(correlation);
+  const auto eigen = symmetric_eigen(correlation);
   const Vector along = eigen.eigenvectors().transpose() * scaled;
   for (Eigen::Index i = 0; i < scaled.size(); ++i) {
     const double eigenvalue = eigen.eigenvalues()[i];
@@ -95,7 +93,7 @@ NormalizedError flat_nis(const Estimate& a, const Estimate& b) {
   };
   const std::span<const Source> of_a = a.lineage.sources();
   const std::span<const Source> of_b = b.lineage.sources();
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most, 1> apart(m);
+  ComponentVector apart(m);
   for (std::size_t i = 0, j = 0; i < of_a.size() || j < of_b.size();) {
     const bool in_a = i < of_a.size() && (j == of_b.size() || of_a[i] <= of_b[j]);
     const bool in_b = j < of_b.size() && (i == of_a.size() || of_b[j] <= of_a[i]);
@@ -118,10 +116,7 @@ NormalizedError normalized_squared_error(const Eigen::Ref<const Eigen::VectorXd>
   // A NaN anywhere would compare false below and so pass for a perfect estimate.
   if (!error.allFinite() || !covariance.allFinite())
     return {infinity, static_cast<int>(error.size()), infinity};
-  constexpr int most = Fields::capacity;
-  if (error.size() <= most)
-    return normalized<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>>(
-        error, covariance);
+  if (error.size() <= most_components) return normalized<ComponentMatrix>(error, covariance);
   return normalized<Eigen::MatrixXd>(error, covariance);
 }
 

@@ -1,13 +1,11 @@
 #include "framework/estimate/lineage.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
-#include "framework/estimate/fields.h"
+#include "framework/estimate/decompositions.h"
 
 namespace ilss {
 namespace {
@@ -89,10 +87,10 @@ void square_fixed(const double* factor, std::size_t columns, Eigen::Ref<Eigen::M
 /// F with F Fᵀ = covariance: by Cholesky, and where that is singular the symmetric square root,
 /// which rounding cannot make indefinite.
 template <typename Matrix>
-Matrix noise_factor(const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
-  const Eigen::LLT<Matrix> cholesky(covariance);
-  if (cholesky.info() == Eigen::Success) return Matrix(cholesky.matrixL());
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(covariance);
+Matrix noise_factor(const Matrix& covariance) {
+  const auto factors = cholesky(covariance);
+  if (factors.info() == Eigen::Success) return Matrix(factors.matrixL());
+  const auto eigen = symmetric_eigen(covariance);
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
@@ -163,10 +161,8 @@ void Lineage::add_noise(Source first, const Eigen::Ref<const Eigen::MatrixXd>& c
       add(source, std::span<const double>(factor.col(k).data(), dimension_));
     }
   };
-  constexpr int most = Fields::capacity;
-  using OnStack = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>;
-  if (covariance.rows() <= most)
-    add_factor(noise_factor<OnStack>(covariance));
+  if (covariance.rows() <= most_components)
+    add_factor(noise_factor<ComponentMatrix>(covariance));
   else
     add_factor(noise_factor<Eigen::MatrixXd>(covariance));
 }

@@ -106,11 +106,23 @@ void System::connect(std::size_t i) {
   const PlanNode& node = plan_->nodes[i];
   NodeState& state = nodes_[i];
   state.own_.estimate = Estimate(*node.interface.output, node.frame);
-  state.is_checked_ = node.type->checked && !state.is_given_;
-  state.has_parts_ = node.interface.output->samples || !node.interface.output->element.empty();
-  state.correlation_unknown_ = node.correlation_unknown && !state.is_given_;
-  if (state.is_given_) return;
-  state.selects_ = node.type->selects;
+  const bool has_parts = node.interface.output->samples || !node.interface.output->element.empty();
+  state.has_elements_ = !node.interface.output->element.empty();
+  if (node.type->checked && !state.is_given_)
+    state.check_ = has_parts ? NodeState::Check::parts : NodeState::Check::nothing;
+  if (!state.is_given_) connect_inputs(i);
+  state.evaluation_.emplace(
+      Evaluation{.owner = static_cast<std::uint32_t>(i),
+                 .parameters = node.parameters,
+                 .inputs = state.inputs_,
+                 .correlation_unknown = node.correlation_unknown && !state.is_given_,
+                 .run_seed = state.seed_});
+}
+
+void System::connect_inputs(std::size_t i) {
+  const PlanNode& node = plan_->nodes[i];
+  NodeState& state = nodes_[i];
+  state.selects_ = state.is_special_ = node.type->selects;
   for (const PlanInput& input : node.inputs) {
     const NodeState& producer = nodes_[input.node];
     state.feeds_.push_back({&producer, input.max_age.value_or(Duration::max())});
@@ -132,6 +144,7 @@ std::vector<OpenFault> System::open() {
     } else if (follow_data_ && nodes_[i].feeds_.empty()) {
       (void)guarded([&]() -> Outcome<> {
         nodes_[i].has_data_clock_ = nodes_[i].module->next_time().has_value();
+        nodes_[i].is_special_ |= nodes_[i].has_data_clock_;
         return {};
       });
     }
@@ -152,16 +165,13 @@ void System::start_tick(Time time) {
   expects_ = false;
 }
 
-[[gnu::always_inline]] inline Evaluation System::evaluation(std::size_t i) const {
-  const NodeState& state = nodes_[i];
-  return {.tick = tick_ - 1,
-          .time = time_,
-          .seed = mix(state.seed_ ^ tick_seed_),
-          .owner = static_cast<std::uint32_t>(i),
-          .parameters = plan_->nodes[i].parameters,
-          .inputs = state.inputs_,
-          .correlation_unknown = state.correlation_unknown_,
-          .run_seed = state.seed_};
+[[gnu::always_inline]] inline const Evaluation& System::evaluation(std::size_t i) {
+  NodeState& state = nodes_[i];
+  Evaluation& evaluation = *state.evaluation_;
+  evaluation.tick = tick_ - 1;
+  evaluation.time = time_;
+  evaluation.seed = mix(state.seed_ ^ tick_seed_);
+  return evaluation;
 }
 
 void System::evaluate(Time time) {
@@ -172,23 +182,25 @@ void System::evaluate(Time time) {
 /// Whether the node has all that it needs for this tick; then `acquired` is its inputs' range.
 /// Otherwise its outcome is set. In one pass and free of what seldom happens, since this is what a
 /// tick mostly does.
-[[gnu::always_inline]] inline bool System::take_inputs(std::size_t i) {
+[[gnu::always_inline]] inline bool System::take_inputs(std::size_t i, bool& correlation_unknown) {
   NodeState& state = nodes_[i];
   bool any_fresh = state.feeds_.empty();
-  bool all_there = true;
+  bool has_all_values = true;
   bool any_fault = false;
   bool any_stale = false;
   Acquisition acquired{time_, state.feeds_.empty() ? time_ : Time::min()};
   for (const NodeState::Feed& feed : state.feeds_) {
     const NodeState& producer = *feed.producer;
-    const Acquisition& input = producer.output().acquired;
+    const Output& output = producer.output();
+    const Acquisition& input = output.acquired;
     any_fault |= producer.outcome.is_fault();
     any_fresh |= producer.fresh;
-    all_there &= producer.has_value;
+    has_all_values &= producer.has_value;
     any_stale |= time_ - input.oldest > feed.max_age;
+    correlation_unknown |= output.estimate.correlation_unknown;
     acquired.include(input);
   }
-  if (!any_fault && any_fresh && all_there && !any_stale) {
+  if (!any_fault && any_fresh && has_all_values && !any_stale) {
     state.own_.acquired = acquired;
     if (state.reads_selectors_) [[unlikely]]
       for (std::size_t k = 0; k < state.feeds_.size(); ++k)
@@ -197,7 +209,7 @@ void System::evaluate(Time time) {
   }
   if (any_fault)
     inherit_fault(i);
-  else if (!any_fresh || !all_there)
+  else if (!any_fresh || !has_all_values)
     state.outcome = Pending{};
   else
     report_stale(i);
@@ -234,10 +246,15 @@ void System::report_stale(std::size_t i) {
 /// Whether what a module gave is as its payload declares; what is checked where it is made need not
 /// be looked at again.
 [[gnu::always_inline]] inline bool System::keeps_contract(std::size_t i) const {
+  return nodes_[i].check_ == NodeState::Check::nothing || passes_check(i);
+}
+
+bool System::passes_check(std::size_t i) const {
   const NodeState& state = nodes_[i];
   const PayloadDescriptor& payload = *plan_->nodes[i].interface.output;
-  if (!state.is_checked_) return find_breach(state.own_, payload) == Breach::none;
-  return !state.has_parts_ || find_breach_in_parts(state.own_, payload) == Breach::none;
+  return (state.check_ == NodeState::Check::all
+              ? find_breach(state.own_, payload)
+              : find_breach_in_parts(state.own_, payload)) == Breach::none;
 }
 
 void System::reject_output(std::size_t i) {
@@ -270,8 +287,8 @@ template <typename Call>
 }
 
 template <typename Call>
-[[gnu::always_inline]] inline Outcome<> System::carry(std::size_t i, Call call) {
-  const Evaluation e = evaluation(i);
+Outcome<> System::carry(std::size_t i, Call call) {
+  const Evaluation& e = evaluation(i);
   return carry_correlation(*plan_->nodes[i].type, e, nodes_[i].own_, [&] { return call(e); });
 }
 
@@ -279,22 +296,36 @@ void System::evaluate_node(std::size_t i, NodeObserver* observer) {
   NodeState& state = nodes_[i];
   state.fresh = false;
   state.origin.reset();
-  if (state.selects_) [[unlikely]]
-    return select(i, observer);
+  if (state.is_special_ || expects_) [[unlikely]]
+    return evaluate_specially(i, observer);
   const Acquisition held = state.own_.acquired;
-  if (!take_inputs(i)) return;
-  if (state.has_data_clock_ && awaits_data(i)) {
-    state.outcome = Pending{};
-  } else if (expects_) [[unlikely]] {
-    call_module(i, [&] {
-      return carry(
-          i, [&](const Evaluation& e) { return state.module->expect(e, nullptr, state.own_); });
-    });
-  } else {
-    call_module(i, [&] {
+  bool may_be_correlated = state.has_elements_ || state.own_.estimate.correlation_unknown ||
+                           state.evaluation_->correlation_unknown;
+  if (!take_inputs(i, may_be_correlated)) return;
+  call_module(i, [&] {
+    if (may_be_correlated) [[unlikely]]
       return carry(i, [&](const Evaluation& e) { return state.module->evaluate(e, state.own_); });
+    return state.module->evaluate(evaluation(i), state.own_);
+  });
+  if (state.outcome.is_pending()) state.own_.acquired = held;
+}
+
+/// Nodes that do more than take inputs and evaluate, and predictions.
+void System::evaluate_specially(std::size_t i, NodeObserver* observer) {
+  NodeState& state = nodes_[i];
+  if (state.selects_) return select(i, observer);
+  const Acquisition held = state.own_.acquired;
+  bool correlation_unknown = false;
+  if (!take_inputs(i, correlation_unknown)) return;
+  if (state.has_data_clock_ && awaits_data(i))
+    state.outcome = Pending{};
+  else
+    call_module(i, [&] {
+      return carry(i, [&](const Evaluation& e) {
+        return expects_ ? state.module->expect(e, nullptr, state.own_)
+                        : state.module->evaluate(e, state.own_);
+      });
     });
-  }
   if (state.outcome.is_pending()) state.own_.acquired = held;
 }
 
@@ -407,7 +438,8 @@ std::string System::note(std::size_t node) const {
 
 std::vector<TestReport> System::run_tests(std::size_t node) {
   try {
-    Evaluation now = evaluation(node);
+    (void)evaluation(node);
+    Evaluation now = *nodes_.at(node).evaluation_;
     now.tick = std::max<std::int64_t>(now.tick, 0);  // before the first: as in it
     return nodes_.at(node).module->run_tests(now);
   } catch (const std::exception& error) {

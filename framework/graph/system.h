@@ -48,12 +48,15 @@ struct NodeState {
   Output own_ = {};
   const Output* current_ = &own_;
   std::vector<Feed> feeds_;
-  std::vector<const Output*> inputs_;  ///< the feeds' outputs
+  std::vector<const Output*> inputs_;     ///< the feeds' outputs
+  std::optional<Evaluation> evaluation_;  ///< what its module may know; the tick's part is set anew
   std::uint64_t seed_ = 0;
-  bool is_checked_ = false;  ///< its estimate, where it is made
-  bool has_parts_ = false;   ///< samples or elements
-  bool correlation_unknown_ = false;
+  enum class Check : std::uint8_t { nothing, parts, all };
+  Check check_ = Check::all;  ///< of what the module gives: estimates may be checked as they
+                              ///< are made, parts are samples and elements
+  bool has_elements_ = false;
   bool is_given_ = false;
+  bool is_special_ = false;  ///< a selector, or follows a clock of its data
   bool selects_ = false;
   bool reads_selectors_ = false;     ///< what feeds it may be another's output in every tick
   bool has_data_clock_ = false;      ///< and follows it
@@ -150,16 +153,19 @@ class System {
   class BranchesOf;
 
   void connect(std::size_t i);
+  void connect_inputs(std::size_t i);
   void start_tick(Time time);
-  bool take_inputs(std::size_t i);
+  bool take_inputs(std::size_t i, bool& correlation_unknown);
   void inherit_fault(std::size_t i);
   void report_stale(std::size_t i);
-  Evaluation evaluation(std::size_t i) const;
+  const Evaluation& evaluation(std::size_t i);
   template <typename Call>
   void call_module(std::size_t i, Call call);
   template <typename Call>
   Outcome<> carry(std::size_t i, Call call);
+  [[gnu::noinline]] void evaluate_specially(std::size_t i, NodeObserver* observer);
   bool keeps_contract(std::size_t i) const;
+  [[gnu::noinline]] bool passes_check(std::size_t i) const;
   void fold(std::size_t i);
   [[gnu::noinline]] void select(std::size_t i, NodeObserver* observer);
   bool awaits_data(std::size_t i);

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 
+#include "framework/estimate/decompositions.h"
 #include "framework/estimate/units.h"
 
 namespace ilss {
@@ -134,7 +134,7 @@ std::optional<Eigen::MatrixXd> read_covariance(const Node& node, std::size_t dim
     return complain(node, "a covariance must be symmetric");
   if (!(correlation.cwiseAbs().maxCoeff() <= 1 + rounding))
     return complain(node, "a covariance must be positive semidefinite");
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
+  const auto eigen = symmetric_eigen(correlation);
   if (!(eigen.eigenvalues().minCoeff() >= -rounding))
     return complain(node, "a covariance must be positive semidefinite");
   return (covariance + covariance.transpose()) / 2;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "framework/estimate/decompositions.h"
 #include "framework/module/document.h"
 
 namespace ilss {
@@ -137,7 +137,7 @@ Outcome<Eigen::MatrixXd> covariance_factor(const Eigen::MatrixXd& covariance) {
                                covariance(i, j)));
       correlation(i, j) = correlation(j, i) = (below + above) / 2;
     }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
+  const auto eigen = symmetric_eigen(correlation);
   if (!(eigen.eigenvalues().minCoeff() >= -tolerance))
     return bad(
         fmt::format("the covariance is not positive semidefinite: its correlations have the "

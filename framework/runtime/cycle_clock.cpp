@@ -30,9 +30,9 @@ Moment read_both() {
   Moment best{};
   std::uint64_t tightest = UINT64_MAX;
   for (int attempt = 0; attempt < 8; ++attempt) {
-    const std::uint64_t before = __rdtsc();
+    const std::uint64_t before = __builtin_ia32_rdtsc();
     const auto steady = std::chrono::steady_clock::now();
-    const std::uint64_t after = __rdtsc();
+    const std::uint64_t after = __builtin_ia32_rdtsc();
     if (after - before >= tightest) continue;
     tightest = after - before;
     best = {before + tightest / 2, steady};

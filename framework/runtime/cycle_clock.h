@@ -4,10 +4,6 @@
 #include <chrono>
 #include <cstdint>
 
-#if defined(__x86_64__)
-#include <x86intrin.h>
-#endif
-
 namespace ilss {
 
 /// Counts ticks of the processor's time stamp counter where that is invariant (the same rate in
@@ -23,7 +19,7 @@ class CycleClock {
   /// Ticks since some moment.
   std::uint64_t now() const noexcept {
 #if defined(__x86_64__)
-    if (counts_cycles_) return __rdtsc();
+    if (counts_cycles_) return __builtin_ia32_rdtsc();
 #endif
     return steady_nanoseconds();
   }

@@ -1,11 +1,10 @@
 #include "framework/semantics/principal_axes.h"
 
-#include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
 
 #include "framework/estimate/consistency.h"
-#include "framework/estimate/fields.h"
+#include "framework/estimate/decompositions.h"
 
 namespace ilss {
 namespace {
@@ -22,7 +21,7 @@ void PrincipalAxes::decompose(const Matrix& covariance) {
       [](double variance) { return variance > 0 ? 1 / std::sqrt(variance) : 0.0; });
   Matrix correlation = Matrix::Zero(covariance.rows(), covariance.cols());
   correlation = inverse_scale.asDiagonal() * covariance * inverse_scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(correlation);
+  const auto eigen = symmetric_eigen(correlation);
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
     const double eigenvalue = eigen.eigenvalues()[i];
     if (eigenvalue <= relative_rank_tolerance * static_cast<double>(dimension_)) continue;
@@ -46,8 +45,7 @@ void PrincipalAxes::take(const Lineage& lineage) {
     std::array<double, most * most> buffer;
     const Eigen::Map<Eigen::MatrixXd> covariance(buffer.data(), m, m);
     lineage.covariance(covariance);
-    return decompose(
-        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>(covariance));
+    return decompose(ComponentMatrix(covariance));
   }
   decompose(lineage.covariance());
 }

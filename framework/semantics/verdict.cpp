@@ -190,7 +190,7 @@ class Judgement {
     if (!clear_ || second_order_->meets_fault || look_.faults() > 0) return true;
     for (std::size_t c = 0; c < estimate_->dimension(); ++c)
       if (!negligible_[c] && !holds(c, glance_tolerances)) return true;
-    return !holds_together(glance_tolerances.coverage);
+    return !joint_coverage_holds(glance_tolerances.coverage);
   }
 
   /// Decides by the many trials just taken.
@@ -210,7 +210,7 @@ class Judgement {
       if (report_->components[c] == Verdict::monte_carlo_required && clear_component_[c])
         report_->reason = "the error is not a normal one, though its second order is small";
     }
-    if (report_->verdict != Verdict::linear_ok || holds_together(pilot_tolerance)) return;
+    if (report_->verdict != Verdict::linear_ok || joint_coverage_holds(pilot_tolerance)) return;
     report_->verdict = Verdict::second_order;
     report_->reason = second_order_->changes_label
                           ? "another case is near, and the components' errors together are not as "
@@ -265,7 +265,7 @@ class Judgement {
   }
 
   /// Whether the ellipsoid holds what it should; one that is thin by rounding says nothing.
-  bool holds_together(double tolerance) const {
+  bool joint_coverage_holds(double tolerance) const {
     if (second_order_->axes.rank() == 0) return true;
     for (std::size_t c = 0; c < estimate_->dimension(); ++c)
       if (stated(c) > 0 && stated(c) <= rounding_[c]) return true;
@@ -419,7 +419,7 @@ class Judge::Group {
       if (second_orders_[t].wanted)
         judgements_[t].begin(second_orders_[t], stated(system, t), sizes_,
                              perturbation_->step_of(t), reports[places_[t]]);
-    look(tools);
+    sample(tools);
   }
 
  private:
@@ -432,7 +432,7 @@ class Judge::Group {
   }
 
   /// A glance at all, a pilot for those in doubt.
-  void look(Tools& tools) {
+  void sample(Tools& tools) {
     looked_at_.clear();
     for (std::size_t t = 0; t < nodes_.size(); ++t)
       if (second_orders_[t].wanted) looked_at_.push_back(t);

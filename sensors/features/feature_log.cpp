@@ -17,7 +17,7 @@ bool is_blank(std::string_view line) {
 }
 
 /// A first line without what some programs mark UTF-8 with.
-std::string_view without_mark(std::string_view line) {
+std::string_view without_byte_order_mark(std::string_view line) {
   constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   if (line.starts_with(byte_order_mark)) line.remove_prefix(byte_order_mark.size());
   return line;
@@ -64,12 +64,12 @@ Outcome<> FeatureLog::open() {
   const TextLog& log = **opened;
   std::size_t line = 0;
   while (line < log.lines() &&
-         (is_blank(without_mark(log.line(line))) || log.line(line).front() == '#'))
+         (is_blank(without_byte_order_mark(log.line(line))) || log.line(line).front() == '#'))
     ++line;
   if (line == log.lines())
     return Fault{FaultKind::device_lost,
                  fmt::format("'{}' has no features", options_.file.string())};
-  const std::string_view first = without_mark(log.line(line));
+  const std::string_view first = without_byte_order_mark(log.line(line));
   const char start = first[first.find_first_not_of(" \t\r")];
   if (start != '{' && start != '[') {
     auto columns = FeatureColumns::read(first, descriptor<RangeFeatures>());
@@ -86,8 +86,8 @@ Outcome<> FeatureLog::open() {
 Outcome<std::optional<RecordedSet>> FeatureLog::read_line() {
   while (next_ < log_->lines()) {
     const std::size_t line = next_++;
-    auto set = parse_feature_json(without_mark(log_->line(line)), descriptor<RangeFeatures>(),
-                                  options_.frame);
+    auto set = parse_feature_json(without_byte_order_mark(log_->line(line)),
+                                  descriptor<RangeFeatures>(), options_.frame);
     if (set && !*set) continue;
     if (set && (*set)->time.tick <= last_tick_) set = out_of_order((*set)->time.tick);
     if (set) {

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
-
+#include "framework/estimate/decompositions.h"
 #include "framework/estimate/units.h"
 #include "sensors/formula/formula_interface.h"
 
@@ -156,13 +155,13 @@ void make_map(LinearOptions& options, Diagnostics& diagnostics) {
   const Eigen::VectorXd length = options.design.numbers.colwise().stableNorm().transpose();
   const Eigen::VectorXd scale =
       length.unaryExpr([](double norm) { return norm > 0 ? 1 / norm : 1.0; });
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(options.design.numbers * scale.asDiagonal());
+  const PivotedQr qr = pivoted_qr(options.design.numbers * scale.asDiagonal());
   if (arguments < outputs || qr.rank() < outputs)
     return diagnostics.add(
         options.design.position,
         fmt::format("the design does not determine {}: {} rows of rank {}; it needs rank {}", y,
                     arguments, qr.rank(), outputs));
-  options.map = scale.asDiagonal() * qr.solve(Eigen::MatrixXd::Identity(arguments, arguments));
+  options.map = scale.asDiagonal() * solve(qr, Eigen::MatrixXd::Identity(arguments, arguments));
 }
 
 void resolve(const Connections& connections, Settings& settings, Interface& interface) {

@@ -1,7 +1,6 @@
 #include "sensors/fusion/covariance_intersection.h"
 
-#include <Eigen/Cholesky>
-
+#include "framework/estimate/decompositions.h"
 #include "sensors/fusion/fusion_inputs.h"
 
 namespace ilss {
@@ -20,7 +19,7 @@ struct Intersection {
 Intersection intersection_of(const JointEstimates& joint) {
   constexpr double exact_variance = 1e-12;
   constexpr int most_steps = 300;
-  constexpr double close_enough = 1e-6;
+  constexpr double convergence_tolerance = 1e-6;
   const Eigen::Index m = joint.dimension;
   const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(m, m);
   Intersection result;
@@ -28,19 +27,19 @@ Intersection intersection_of(const JointEstimates& joint) {
   for (Eigen::Index i = 0; i < joint.count; ++i) {
     const Eigen::MatrixXd covariance =
         joint.factor_of(i) * joint.factor_of(i).transpose() + exact_variance * identity;
-    result.information.emplace_back(covariance.llt().solve(identity));
+    result.information.push_back(inverse_of_positive(covariance));
   }
   Eigen::VectorXd traces(joint.count);
   for (int step = 0; step < most_steps; ++step) {
     Eigen::MatrixXd information = Eigen::MatrixXd::Zero(m, m);
     for (Eigen::Index i = 0; i < joint.count; ++i)
       information += result.weights[i] * result.information[static_cast<std::size_t>(i)];
-    result.covariance = information.llt().solve(identity);
+    result.covariance = inverse_of_positive(information);
     for (Eigen::Index i = 0; i < joint.count; ++i)
       traces[i] =
           result.covariance.cwiseProduct(result.information[static_cast<std::size_t>(i)]).sum() /
           static_cast<double>(m);
-    if (traces.maxCoeff() <= 1 + close_enough) break;
+    if (traces.maxCoeff() <= 1 + convergence_tolerance) break;
     result.weights = result.weights.cwiseProduct(traces);
     result.weights /= result.weights.sum();
   }

@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "framework/estimate/decompositions.h"
 
 namespace ilss {
 namespace {
@@ -62,7 +63,7 @@ Eigen::MatrixXd factor_at(const Estimate& estimate, std::span<const double> orig
 }
 
 JointEstimates lay_side_by_side(std::span<const Output* const> inputs,
-                                std::span<const double> origin, bool random_apart) {
+                                std::span<const double> origin, bool separate_random) {
   const Estimate& first = inputs.front()->estimate;
   JointEstimates joint{static_cast<Eigen::Index>(inputs.size()),
                        static_cast<Eigen::Index>(first.dimension()),
@@ -79,7 +80,7 @@ JointEstimates lay_side_by_side(std::span<const Output* const> inputs,
     joint.offset.col(static_cast<Eigen::Index>(i)) =
         difference(estimate, origin).cwiseProduct(inverse_scale);
     for (const Source& source : estimate.lineage.sources()) {
-      if (random_apart && !source.persistent())
+      if (separate_random && !source.persistent())
         ++apart;
       else
         shared.push_back(source);
@@ -87,21 +88,21 @@ JointEstimates lay_side_by_side(std::span<const Output* const> inputs,
   }
   std::sort(shared.begin(), shared.end());
   shared.erase(std::unique(shared.begin(), shared.end()), shared.end());
-  auto next_apart = static_cast<Eigen::Index>(shared.size());
-  joint.factor.setZero(joint.count * joint.dimension, next_apart + apart);
+  auto next_separate = static_cast<Eigen::Index>(shared.size());
+  joint.factor.setZero(joint.count * joint.dimension, next_separate + apart);
   const double bound = std::sqrt(static_cast<double>(inputs.size()));
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const Lineage& lineage = inputs[i]->estimate.lineage;
     const Eigen::MatrixXd at_origin = factor_at(inputs[i]->estimate, origin);
     for (std::size_t k = 0; k < lineage.size(); ++k) {
       const Source& source = lineage.sources()[k];
-      const bool is_apart = random_apart && !source.persistent();
+      const bool is_separate = separate_random && !source.persistent();
       const Eigen::Index column =
-          is_apart ? next_apart++
-                   : std::lower_bound(shared.begin(), shared.end(), source) - shared.begin();
+          is_separate ? next_separate++
+                      : std::lower_bound(shared.begin(), shared.end(), source) - shared.begin();
       joint.factor.block(static_cast<Eigen::Index>(i) * joint.dimension, column, joint.dimension,
                          1) =
-          (is_apart ? bound : 1.0) *
+          (is_separate ? bound : 1.0) *
           at_origin.col(static_cast<Eigen::Index>(k)).cwiseProduct(inverse_scale);
     }
   }
@@ -117,9 +118,7 @@ Eigen::MatrixXd deviations_of(const Eigen::MatrixXd& stacked, Eigen::Index count
   return stacked - mean.replicate(count, 1);
 }
 
-using Decomposition = Eigen::JacobiSVD<Eigen::MatrixXd, Eigen::ColPivHouseholderQRPreconditioner>;
-
-Eigen::Index rank_of(const Decomposition& decomposition, double tolerance) {
+Eigen::Index rank_of(const Svd& decomposition, double tolerance) {
   const auto& values = decomposition.singularValues();
   return (values.array() > tolerance).count();
 }
@@ -128,7 +127,7 @@ Eigen::Index rank_of(const Decomposition& decomposition, double tolerance) {
 std::vector<Eigen::MatrixXd> ranges_of(const JointEstimates& joint) {
   std::vector<Eigen::MatrixXd> ranges;
   for (Eigen::Index i = 0; i < joint.count; ++i) {
-    const Decomposition decomposition(joint.factor_of(i), Eigen::ComputeThinU);
+    const Svd decomposition = singular_values(joint.factor_of(i), Eigen::ComputeThinU);
     ranges.emplace_back(decomposition.matrixU().leftCols(rank_of(decomposition, rank_tolerance)));
   }
   return ranges;
@@ -207,8 +206,8 @@ JointDeviations joint_deviations(const JointEstimates& joint) {
     result.sources.resize(0, 0);
     return result;
   }
-  const Decomposition decomposition(deviations_of(joint.factor, n, m),
-                                    Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Svd decomposition =
+      singular_values(deviations_of(joint.factor, n, m), Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::Index rank = rank_of(decomposition, rank_tolerance);
   std::vector<Eigen::Index> kept;
   std::vector<Eigen::MatrixXd> ranges;
@@ -247,7 +246,7 @@ std::string contradiction(std::span<const Output* const> inputs, const JointEsti
 Combination combine(std::span<const Output* const> inputs,
                     const std::function<Eigen::MatrixXd(const JointEstimates&)>& find_gains) {
   constexpr int most_steps = 20;
-  constexpr double close_enough = 1e-10;  // in the scale's standard deviations
+  constexpr double convergence_tolerance = 1e-10;  // in the scale's standard deviations
   const PayloadDescriptor& type = *inputs.front()->estimate.type;
   Combination result;
   result.value = common_origin(inputs);
@@ -257,7 +256,7 @@ Combination combine(std::span<const Output* const> inputs,
     const Eigen::VectorXd move = result.gains * result.joint.offset.reshaped();
     const Eigen::VectorXd si = move.cwiseProduct(result.joint.scale);
     retract(type, result.value, std::span(si.data(), type.dimension()), result.value);
-    if (is_flat(type) || move.cwiseAbs().maxCoeff() <= close_enough) break;
+    if (is_flat(type) || move.cwiseAbs().maxCoeff() <= convergence_tolerance) break;
   }
   transport_gains(type, result.joint.scale.asDiagonal() * result.joint.offset, result.gains);
   return result;

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <cmath>
 #include <numbers>
 #include <string>
+
+#include "framework/estimate/decompositions.h"
 
 namespace ilss {
 namespace {
@@ -40,10 +40,7 @@ Outcome<Eigen::MatrixXd> fit_covariance(const Eigen::MatrixXd& jacobian,
   if (!jacobian.allFinite() || jacobian.rows() < n)
     return Fault{FaultKind::degenerate,
                  fmt::format("{} residuals do not determine {} parameters", jacobian.rows(), n)};
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(jacobian * scale.asDiagonal());
-  const Eigen::MatrixXd triangle =
-      qr.matrixQR().topRows(n).triangularView<Eigen::Upper>().toDenseMatrix();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(triangle, Eigen::ComputeFullV);
+  const Svd svd = singular_values(qr_triangle(jacobian * scale.asDiagonal()), Eigen::ComputeFullV);
   const Eigen::VectorXd& singular = svd.singularValues();  // in falling order
   const Eigen::MatrixXd& directions = svd.matrixV();
   const auto undetermined = (singular.array() < 1).count();

@@ -3,9 +3,9 @@
 #include <ceres/tiny_solver.h>
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <cmath>
 
+#include "framework/estimate/decompositions.h"
 #include "framework/estimate/differentiate.h"
 #include "sensors/lep/fit_covariance.h"
 
@@ -198,11 +198,11 @@ std::optional<LepLinearFit> fit_lep_linear(std::span<const LepCalibrationPoint> 
     right[i] = p * z;
   }
   const Eigen::VectorXd scale = h.colwise().norm().cwiseMax(1e-300).cwiseInverse();
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(h * scale.asDiagonal());
+  const PivotedQr qr = pivoted_qr(h * scale.asDiagonal());
   constexpr double least_pivot = 1e-10;
   if (qr.maxPivot() <= 0 || std::abs(qr.matrixR()(5, 5)) < least_pivot * qr.maxPivot())
     return std::nullopt;
-  const Eigen::VectorXd x = scale.asDiagonal() * qr.solve(right);
+  const Eigen::VectorXd x = scale.asDiagonal() * solve(qr, right);
   LepGeometry<double> geometry;  // equation 13
   geometry.baseline = x[0];
   geometry.focal_length = x[3] / x[0];

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "framework/estimate/decompositions.h"
 #include "sensors/laser/acquire/laser_correction.h"
 
 namespace ilss {
@@ -83,9 +83,9 @@ bool fit(std::span<const CalibrationRange> ranges, LaserCalibration& calibration
     for (Eigen::Index k = 0; k < columns; ++k, weighted *= r.measured / calibration.reference)
       powers(i, k) = weighted;
   }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(powers);
+  const PivotedQr qr = pivoted_qr(powers);
   if (!powers.allFinite() || qr.rank() < columns) return false;
-  const Eigen::VectorXd bias = qr.solve(errors);
+  const Eigen::VectorXd bias = solve(qr, errors);
   std::copy(bias.begin(), bias.end(), calibration.bias.begin());
   // (AᵀA)⁻¹ by the factors of A = Q R Pᵀ.
   const Eigen::MatrixXd triangle =

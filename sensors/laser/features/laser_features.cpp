@@ -78,11 +78,12 @@ bool LaserFeatures::is_real_corner(const LaserSegment& before, const LaserSegmen
   const ScanPoint& first = scan_.points()[after.run.begin];
   const Place corner = intersection(before.line, after.line);
   // Between the two beams; or else the beam that lies beyond it is as well of the other line.
-  constexpr double as_well = 25;  // squared standard deviations
+  constexpr double largest_residual_of_other = 25;  // squared standard deviations
   const double sense = first.bearing < last.bearing ? -1 : 1;
-  if (sense * left_of(last, corner) < 0) return squared_residual(after.line, last, noise) < as_well;
+  if (sense * left_of(last, corner) < 0)
+    return squared_residual(after.line, last, noise) < largest_residual_of_other;
   if (sense * left_of(first, corner) > 0)
-    return squared_residual(before.line, first, noise) < as_well;
+    return squared_residual(before.line, first, noise) < largest_residual_of_other;
   return true;
 }
 
@@ -113,10 +114,11 @@ bool LaserFeatures::is_within_reach(double x, double y, const LaserSegment& segm
 /// incidence, pieces of one surface are broken off.
 void LaserFeatures::extend(LaserSegment& segment, std::size_t begin, std::size_t end,
                            const LaserNoise& noise, const UncertainBiases& biases) const {
-  constexpr double on_it = 9;  // squared standard deviations
+  constexpr double largest_own_residual = 9;  // squared standard deviations
   const auto points = scan_.points();
   const auto lies_on_it = [&](std::size_t i) {
-    return points[i].range > 0 && squared_residual(segment, points[i], noise) < on_it;
+    return points[i].range > 0 &&
+           squared_residual(segment, points[i], noise) < largest_own_residual;
   };
   ReadingRun run = segment.run;
   while (run.begin > begin && lies_on_it(run.begin - 1)) --run.begin;

@@ -22,7 +22,7 @@ bool BreakpointRule::breaks(double range_before, double range, double step) {
   return square > limit * limit;
 }
 
-bool BreakpointRule::goes_on(const LaserBeam& a, const LaserBeam& b, const LaserBeam& c) const {
+bool BreakpointRule::continues(const LaserBeam& a, const LaserBeam& b, const LaserBeam& c) const {
   const Pair range_before{a.range, b.range};
   const Pair range{b.range, c.range};
   const Pair step = Pair{b.bearing, c.bearing} - Pair{a.bearing, b.bearing};
@@ -65,7 +65,8 @@ Outcome<> Breakpoints::evaluate(const Evaluation& evaluation, Output& output) {
   };
   const auto write = [&](std::size_t i) { rows[i] = {beams[i].bearing, beams[i].range, segment}; };
   for (std::size_t i = 0; i < beams.size(); ++i) {
-    for (; i > begin && i + 1 < beams.size() && rule.goes_on(beams[i - 1], beams[i], beams[i + 1]);
+    for (;
+         i > begin && i + 1 < beams.size() && rule.continues(beams[i - 1], beams[i], beams[i + 1]);
          i += 2) {
       write(i);
       write(i + 1);

@@ -19,7 +19,7 @@ class BreakpointRule {
   bool breaks(double range_before, double range, double step);
   /// Whether three beams one after another are, by a quick look, readings of one surface: if so,
   /// `breaks` says that it does not end between them. They are at the last step from each other.
-  bool goes_on(const LaserBeam& a, const LaserBeam& b, const LaserBeam& c) const;
+  bool continues(const LaserBeam& a, const LaserBeam& b, const LaserBeam& c) const;
 
  private:
   double incidence_;

@@ -122,14 +122,15 @@ void Hough::cluster() {
     const std::span<Vote> votes = std::span<Vote>(votes_).subspan(begin, end - begin);
     const Place place = shifted(votes_[start].place, votes);
     votes_[start].line = ++line;
-    const auto belongs = [&](const Vote& vote) {
+    const auto votes_for_line = [&](const Vote& vote) {
       return vote.line == 0 && difference(place, vote).square < 1;
     };
     for (Vote& vote : votes)
-      if (belongs(vote)) vote.line = line;
+      if (votes_for_line(vote)) vote.line = line;
     // A longer line goes on as far as votes for it do.
-    for (std::size_t k = end; k < votes_.size() && belongs(votes_[k]); ++k) votes_[k].line = line;
-    for (std::size_t k = begin; k-- > 0 && belongs(votes_[k]);) votes_[k].line = line;
+    for (std::size_t k = end; k < votes_.size() && votes_for_line(votes_[k]); ++k)
+      votes_[k].line = line;
+    for (std::size_t k = begin; k-- > 0 && votes_for_line(votes_[k]);) votes_[k].line = line;
   }
 }
 

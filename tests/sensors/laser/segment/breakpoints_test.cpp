@@ -132,11 +132,11 @@ TEST(Breakpoints, GiveTheClustersOfNeighbourByNeighbourOnRandomScans) {
     std::vector<ReadingRun> plain;
     bool is_open = false;
     for (std::size_t i = 0; i < beams.size(); ++i) {
-      const bool goes_on = is_open && !rule.breaks(beams[i - 1].range, beams[i].range,
-                                                   beams[i].bearing - beams[i - 1].bearing);
+      const bool continues = is_open && !rule.breaks(beams[i - 1].range, beams[i].range,
+                                                     beams[i].bearing - beams[i - 1].bearing);
       is_open = beams[i].range > 0;
-      if (is_open && goes_on) plain.back().end = i + 1;
-      if (is_open && !goes_on) plain.push_back({i, i + 1});
+      if (is_open && continues) plain.back().end = i + 1;
+      if (is_open && !continues) plain.push_back({i, i + 1});
     }
     std::erase_if(plain, [](const ReadingRun& run) { return run.size() < 3; });
     const ModuleRun clusters = clusters_of(beams);
