@@ -51,7 +51,8 @@ class Stage {
 
   /// Evaluates a tick: its time in microseconds, or nothing on a fault.
   std::optional<double> run(std::int64_t tick) {
-    const Evaluation evaluation{tick, 0.1 * static_cast<double>(tick), 1, 1, parameters_, inputs_};
+    const Evaluation evaluation{tick,   time_at(0.1 * static_cast<double>(tick)), 1, 1, parameters_,
+                                inputs_};
     const auto begin = std::chrono::steady_clock::now();
     const bool good = module_->evaluate(evaluation, output_).has_output();
     const std::chrono::duration<double, std::micro> time = std::chrono::steady_clock::now() - begin;
@@ -120,7 +121,7 @@ void measure_log(const Registry& registry, const std::filesystem::path& folder, 
     Pipeline pipeline(registry, segmenter, &scan);
     const Estimate parameters(descriptor<LaserLog::Parameters>());
     std::int64_t tick = 0;
-    while (source.evaluate({tick, 0, 1, 1, parameters, {}}, scan).has_output())
+    while (source.evaluate({tick, {}, 1, 1, parameters, {}}, scan).has_output())
       pipeline.run(tick++);
     fmt::print("{:<26}{:>8}{:>14.2f}{:>12.2f}{:>12.2f}{:>12.2f}\n", segmenter, tick,
                median(pipeline.breakpoint_times), median(pipeline.segmenter_times),

@@ -81,14 +81,14 @@ void scale_errors(Plan& plan, double factor) {
 }
 
 /// The same for what its sensors and estimators are expected to add.
-std::map<std::size_t, System::OperatingPoint> scaled_outputs(const Plan& plan,
-                                                             const System& nominal, double factor) {
-  std::map<std::size_t, System::OperatingPoint> points;
+std::map<std::size_t, OperatingPoint> scaled_outputs(const Plan& plan, const System& nominal,
+                                                     double factor) {
+  std::map<std::size_t, OperatingPoint> points;
   for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
     if (plan.nodes[i].type->kind == ModuleKind::function) continue;
     if (!nominal.node(i).outcome.has_output()) continue;
     if (plan.nodes[i].interface.output->samples) continue;
-    Output output = nominal.node(i).output;
+    Output output = nominal.node(i).output();
     Lineage scaled(output.estimate.dimension());
     std::vector<double> column;
     for (std::size_t k = 0; k < output.estimate.lineage.size(); ++k) {
@@ -131,12 +131,12 @@ std::optional<Point> examine(const Subject& subject, const Registry& registry,
     std::exit(2);
   }
   System nominal(*plan, 1);
-  nominal.expect({});
+  nominal.expect();
   if (!nominal.node(plan->outputs.front()).outcome.has_output()) return std::nullopt;
   const auto points = scaled_outputs(*plan, nominal, scale);
   scale_errors(*plan, scale);
-  System system(*plan, 1);
-  system.expect(points);
+  System system(*plan, 1, {.stand_ins = given_outputs(points)});
+  system.expect();
   if (!system.node(plan->outputs.front()).outcome.has_output()) return std::nullopt;
   const VerdictReport report = judge(system).front();
   Perturbation perturbation(system, plan->outputs, {}, Redo::functions);

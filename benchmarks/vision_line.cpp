@@ -32,8 +32,9 @@ struct Case {
     given.estimate.value = {1.05e-3, 1.0e-3, 0.97e-3};
     for (std::uint32_t i = 0; i < 3; ++i)
       given.estimate.lineage.add({static_cast<std::uint32_t>(rows), i, 0}, i, 10e-6);
-    system = std::make_unique<System>(plan, 1);
-    system->expect({{rows, {given, true}}});
+    system = std::make_unique<System>(
+        plan, 1, SystemOptions{.stand_ins = given_outputs({{rows, {given, true}}})});
+    system->expect();
     if (!system->node(line).outcome.has_output()) throw std::runtime_error("no wall line");
   }
 

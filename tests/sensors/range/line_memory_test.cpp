@@ -155,7 +155,7 @@ TEST(LineExtractorContinuous, ANewSweepIsSeenWhileTheHeadTurns) {
   const Scene scene = edge_scene(1.2, 120 * degree);
   LepRig rig(scene);
   LepSensor sensor(rig.options);
-  ASSERT_TRUE(sensor.command({"rotate_at", 60 * degree, 0}));
+  ASSERT_TRUE(sensor.command({"rotate_at", 60 * degree}));
   LineExtractor extractor({.continuous = true});
   int ended = 0;
   for (std::int64_t tick = 0; tick < 3; ++tick) {

@@ -198,7 +198,9 @@ TEST(LaserArcFit, NeitherLineNorArcFitsWhereBothAreSaidToExceedTheirLimits) {
     const auto line = fit_laser_line(points, device.noise());
     excluded += exceeds ? 1 : 0;
     fitted += line && line->chi_squared <= most ? 1 : 0;
-    if (exceeds && line) EXPECT_GT(line->chi_squared, most) << i;
+    if (exceeds && line) {
+      EXPECT_GT(line->chi_squared, most) << i;
+    }
   }
   EXPECT_GT(excluded, runs / 10);
   EXPECT_GT(fitted, runs / 20);

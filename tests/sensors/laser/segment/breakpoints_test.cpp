@@ -141,7 +141,9 @@ TEST(Breakpoints, GiveTheClustersOfNeighbourByNeighbourOnRandomScans) {
     std::erase_if(plain, [](const ReadingRun& run) { return run.size() < 3; });
     const ModuleRun clusters = clusters_of(beams);
     ASSERT_EQ(clusters.outcome.has_output(), !plain.empty()) << "scan " << scan;
-    if (!plain.empty()) EXPECT_EQ(runs_of(clusters.output), plain) << "scan " << scan;
+    if (!plain.empty()) {
+      EXPECT_EQ(runs_of(clusters.output), plain) << "scan " << scan;
+    }
   }
 }
 

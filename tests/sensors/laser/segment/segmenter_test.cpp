@@ -393,7 +393,7 @@ TYPED_TEST(SegmenterTest, AllocatesNothingInSteadyState) {
   Output output;
   const std::vector<const Output*> inputs = {&cluster};
   const Estimate parameters(no_parameters());
-  const Evaluation evaluation{0, 0, 1, 1, parameters, inputs};
+  const Evaluation evaluation{0, {}, 1, 1, parameters, inputs};
   ASSERT_TRUE(segmenter.evaluate(evaluation, output));
   const std::size_t before = allocation_count;
   for (int k = 0; k < 5; ++k) ASSERT_TRUE(segmenter.evaluate(evaluation, output));
@@ -424,9 +424,9 @@ TEST(LaserPipeline, AllocatesNothingInSteadyState) {
   const auto run_all = [&](const Output& scan) {
     const std::array<const Output*, 3> inputs{&scan, &clusters, &segments};
     const std::span<const Output* const> all(inputs);
-    return breakpoints.evaluate({0, 0, 1, 1, none, all.subspan(0, 1)}, clusters) &&
-           segmenter.evaluate({0, 0, 1, 2, none, all.subspan(1, 1)}, segments) &&
-           features.evaluate({0, 0, 1, 3, none, all.subspan(2, 1)}, found);
+    return breakpoints.evaluate({0, {}, 1, 1, none, all.subspan(0, 1)}, clusters) &&
+           segmenter.evaluate({0, {}, 1, 2, none, all.subspan(1, 1)}, segments) &&
+           features.evaluate({0, {}, 1, 3, none, all.subspan(2, 1)}, found);
   };
   for (int k = 0; k < 3; ++k)
     for (const Output& scan : scans) ASSERT_TRUE(run_all(scan));
