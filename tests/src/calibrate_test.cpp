@@ -176,7 +176,7 @@ TEST(CalibrateLep, BadCellsAreReportedWithTheirPlaces) {
             "data.csv:4:9: 'image_position_std' must be positive, got 0\n"
             "data.csv:5:3: expected a number for 'depth', got ''\n");
   EXPECT_EQ(complaint(std::string(heading) + "0,0.5,1\n"),
-            "data.csv:2:1: a row of 3 cells in a recording of 4 columns\n");
+            "data.csv:2:1: a row of 3 cells in a table of 4 columns\n");
   EXPECT_EQ(complaint(std::string(heading) + "0,0.5,1,2\n0,-0.5,1,2\n"),
             "data.csv:3:1: the depth, -0.5 m, is not in front of the scan origin, at 0 m\n");
 }
@@ -196,11 +196,11 @@ TEST(CalibrateLep, WrongColumnsAreReported) {
 }
 
 TEST(CalibrateLep, FilesWithoutReadingsAreReported) {
-  EXPECT_EQ(complaint(""), "data.csv: the recording is empty\n");
+  EXPECT_EQ(complaint(""), "data.csv: the table is empty\n");
   EXPECT_EQ(complaint(heading), "data.csv: there is a header, but no rows\n");
   EXPECT_EQ(complaint(std::string(heading) + "0,0.5,1,2\n"),
             "data.csv: degenerate: a calibration needs 6 points or more, got 1\n");
-  EXPECT_EQ(call_command("calibrate lep graphs").errors, "graphs: the recording cannot be read\n");
+  EXPECT_EQ(call_command("calibrate lep graphs").errors, "graphs: the table cannot be read\n");
 }
 
 TEST(CalibrateLep, BadOptionsAreReported) {

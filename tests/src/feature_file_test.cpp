@@ -249,7 +249,7 @@ TEST(FeatureFile, OfARunThatCannotGoOnIsNotWritten) {
   std::ofstream(file) << "precious";
   const Heard heard =
       call_command("run '" + graph.string() + "' --features '" + file.string() + "'");
-  EXPECT_EQ(heard.status, 1);
+  EXPECT_EQ(heard.status, 2);
   EXPECT_EQ(text_of(file), "precious");
   EXPECT_FALSE(std::filesystem::exists(file.string() + ".partial"));
   for (const auto& path : {graph, file}) std::filesystem::remove(path);

@@ -155,7 +155,7 @@ TEST_F(GraphWithoutItsData, IsFineForACheckThatDoesNot) {
 
 TEST(RunText, OneTickIsSingular) {
   const Heard heard = call_command("run graphs/sonar_ring.yaml --quiet --ticks 1");
-  EXPECT_EQ(heard.output.substr(0, 8), "\n1 tick\n");
+  EXPECT_EQ(heard.output.substr(0, 8), "\n1 tick;");
 }
 
 TEST(RunProfile, IsLeftAsItIsWhereTheRunDoesNotStart) {

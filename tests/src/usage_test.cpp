@@ -49,7 +49,7 @@ TEST(Usage, TicksOutOfRangeAreRefused) {
 
 TEST(Usage, LeadingZeroDoesNotMakeTicksOctal) {
   const Heard heard = call_command("run graphs/sonar_ring.yaml --quiet --ticks 010");
-  EXPECT_EQ(heard.output.substr(0, 10), "\n10 ticks\n");
+  EXPECT_EQ(heard.output.substr(0, 10), "\n10 ticks;");
 }
 
 TEST(Usage, RunsOutOfRangeAreRefused) {

@@ -151,10 +151,11 @@ TEST(Manifold, DifferenceAndRetractIntoAnArrayDoNotAllocate) {
   SKIP_UNLESS_ALLOCATIONS_ARE_COUNTED();
   const std::vector<double> a = {1, 0.3, -2, 0.4, 2, 3};
   std::vector<double> b = {2, -1, 0.5, 0.7, 1, -3};
+  const PayloadDescriptor& type = pose();
   const std::size_t before = allocation_count;
-  difference(pose(), a, b, b);
-  retract(pose(), a, b, b);
-  normalize(pose(), b);
+  difference(type, a, b, b);
+  retract(type, a, b, b);
+  normalize(type, b);
   EXPECT_EQ(allocation_count, before);
 }
 

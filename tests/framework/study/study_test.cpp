@@ -117,7 +117,7 @@ alternatives:
   none: {}
 )")
                 .errors,
-            "nowhere.csv: the recording cannot be read\n"
+            "nowhere.csv: the table cannot be read\n"
             "study.yaml:3:7: 'runs' is for studies of graphs; this one compares recordings\n"
             "study.yaml:4:1: a study has no key 'requirment'; did you mean 'requirement'?\n"
             "study.yaml:5:15: turn has no key 'angel'; did you mean 'angle'?\n"
@@ -130,7 +130,7 @@ alternatives:
             "either recordings or graphs\n"
             "study.yaml:12:9: none needs either recorded: FILE or graph: {...}\n"
             "turns.csv:2:3: expected a number, got 'x'\n"
-            "turns.csv:3:1: a row of 3 cells in a recording of 4 columns\n");
+            "turns.csv:3:1: a row of 3 cells in a table of 4 columns\n");
 }
 
 TEST(Study, ReportsEveryMistakeOfASystemStudyInOneGo) {

@@ -40,7 +40,8 @@ class RangeReadingsTest : public ::testing::Test {
   static ModuleRun next(RangeReadings& module, const Tick& at = tick()) {
     ModuleRun result;
     result.output.estimate = Estimate(descriptor<RangeScan>(), "lep");
-    result.outcome = module.evaluate(at.evaluation(), result.output);
+    result.outcome = module.open();
+    if (result.outcome) result.outcome = module.evaluate(at.evaluation(), result.output);
     return result;
   }
   ModuleRun first(const std::string& text, const std::string& more = "std_constant: 1 cm") const {

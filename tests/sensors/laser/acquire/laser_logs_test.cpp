@@ -42,7 +42,8 @@ class SegmentedLog {
     clusters_.estimate = segments_.estimate = Estimate(descriptor<SegmentedScan>(), "laser");
     Tick tick{.parameters = Estimate(descriptor<LaserLog::Parameters>()), .tick = ++scans_};
     scan_.estimate = Estimate(descriptor<LaserScan>(), "laser");
-    const auto outcome = log_.evaluate(tick.evaluation(), scan_);
+    auto outcome = log_.open();
+    if (outcome) outcome = log_.evaluate(tick.evaluation(), scan_);
     if (!outcome) {
       EXPECT_EQ(fault_of(outcome), "end_of_data") << outcome.fault().message;
       return false;
