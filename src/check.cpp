@@ -71,13 +71,13 @@ void open_all(const Plan& plan) {
 }  // namespace
 
 void add_check(Verb command, Session& session) {
-  struct Arguments {
+  struct CheckArguments {
     std::string graph;
     std::vector<std::string> sets;
     bool open = false;
     bool json = false;
   };
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CheckArguments>();
   Verb verb = command.add_verb("check", "Report all errors of a graph, or print its plan");
   verb.add_option("GRAPH", arguments->graph, "Graph file").required();
   verb.add_set_option(arguments->sets);

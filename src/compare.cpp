@@ -10,7 +10,7 @@
 namespace ilss {
 namespace {
 
-struct Arguments {
+struct CompareArguments {
   std::string study;
   std::optional<std::int64_t> runs;
   std::optional<std::uint64_t> seed;
@@ -18,7 +18,7 @@ struct Arguments {
   bool json = false;
 };
 
-int compare_study(const Arguments& arguments, Session& session) {
+int compare_study(const CompareArguments& arguments, Session& session) {
   session.load_modules();
   Diagnostics diagnostics;
   auto study = read_study(arguments.study, session.registry, diagnostics);
@@ -50,7 +50,7 @@ int compare_study(const Arguments& arguments, Session& session) {
 }  // namespace
 
 void add_compare(Verb command, Session& session) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CompareArguments>();
   Verb verb = command.add_verb(
       "compare", "Alternatives side by side: predicted, run, judged against truth and requirement");
   verb.add_option("STUDY", arguments->study, "Study file").required();

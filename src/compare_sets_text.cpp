@@ -19,7 +19,7 @@ std::string three_digits(double number) {
 
 std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
-std::string title_text(const Study& study) {
+std::string sets_title_text(const Study& study) {
   std::string text = study.name;
   if (!study.description.empty()) text += ": " + study.description;
   return text + fmt::format("\nmeasured: {} ticks a case, seed {}, the same for all alternatives\n",
@@ -140,7 +140,7 @@ std::string legend_text(const Study& study) {
 }  // namespace
 
 std::string set_comparison_text(const Study& study, const std::vector<SetCase>& cases) {
-  std::string text = title_text(study);
+  std::string text = sets_title_text(study);
   std::string notes;
   for (const SetCase& compared : cases) {
     for (std::size_t e = 0; e < study.judged.size(); ++e) text += score_table(study, compared, e);

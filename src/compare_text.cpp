@@ -81,7 +81,7 @@ std::string requirement_text(const Study& study) {
   return text;
 }
 
-std::string title_text(const Study& study) {
+std::string systems_title_text(const Study& study) {
   std::string text = study.name;
   if (!study.description.empty()) text += ": " + study.description;
   text += "\n";
@@ -409,7 +409,7 @@ std::string judgement_sentences(const Study& study, const Comparison& comparison
 }  // namespace
 
 std::string comparison_text(const Study& study, const Comparison& comparison) {
-  std::string text = title_text(study);
+  std::string text = systems_title_text(study);
   text += study.recorded ? recorded_table(study, comparison)
                          : error_table(study, comparison) + "\n" + trust_table(study, comparison);
   const std::string notes = notes_text(study, comparison);

@@ -10,7 +10,7 @@
 namespace ilss {
 namespace {
 
-struct Arguments {
+struct EvalArguments {
   std::string type;
   std::vector<std::string> parameters;
   std::vector<std::string> inputs;
@@ -104,7 +104,7 @@ const PayloadDescriptor* take_payload(const InputDeclaration& input, Node& value
 }
 
 /// What was given for each input, in the interface's order; unknown and missing names are errors.
-std::vector<GivenValue> read_inputs(const Arguments& arguments, const Interface& interface,
+std::vector<GivenValue> read_inputs(const EvalArguments& arguments, const Interface& interface,
                                     const Registry& registry, Diagnostics& diagnostics) {
   std::vector<GivenValue> given;
   std::vector<std::string> names;
@@ -135,7 +135,7 @@ std::vector<GivenValue> read_inputs(const Arguments& arguments, const Interface&
   return given;
 }
 
-void print_result(const Arguments& arguments, const Plan& plan, const System& system,
+void print_result(const EvalArguments& arguments, const Plan& plan, const System& system,
                   std::size_t node) {
   const NodeState& state = system.node(node);
   const auto verdicts = state.outcome.has_output() ? judge(system) : std::vector<VerdictReport>(1);
@@ -158,7 +158,7 @@ void print_result(const Arguments& arguments, const Plan& plan, const System& sy
   }
 }
 
-void evaluate(const Arguments& arguments, Session& session) {
+void evaluate(const EvalArguments& arguments, Session& session) {
   session.load_modules();
   const ModuleType& type = find_type(session, arguments.type);
   Diagnostics diagnostics;
@@ -195,7 +195,7 @@ void evaluate(const Arguments& arguments, Session& session) {
 }  // namespace
 
 void add_eval(Verb command, Session& session) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<EvalArguments>();
   Verb verb = command.add_verb("eval", "One module on given estimates");
   verb.add_option("TYPE", arguments->type, "Module type").required();
   verb.add_option("--param", arguments->parameters, "A parameter: NAME=VALUE, as in YAML")

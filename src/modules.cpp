@@ -214,13 +214,13 @@ Json type_json(const ModuleType& type) {
           {"faults", std::move(faults)}};
 }
 
-struct Arguments {
+struct ModulesArguments {
   std::string type;
   bool json = false;
   bool markdown = false;
 };
 
-void list_modules(const Arguments& arguments, Session& session) {
+void list_modules(const ModulesArguments& arguments, Session& session) {
   session.load_modules();
   const Registry& registry = session.registry;
   std::vector<const ModuleType*> types = registry.types();
@@ -247,7 +247,7 @@ void list_modules(const Arguments& arguments, Session& session) {
 }  // namespace
 
 void add_modules(Verb command, Session& session) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ModulesArguments>();
   Verb verb = command.add_verb("modules", "List module types, or all that one declares");
   verb.add_option("TYPE", arguments->type, "Module type");
   const Option json = verb.add_flag("--json", arguments->json, "Print JSON");

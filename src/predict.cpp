@@ -16,7 +16,7 @@
 namespace ilss {
 namespace {
 
-struct Arguments {
+struct PredictArguments {
   std::string graph;
   std::vector<std::string> sets;
   std::vector<std::string> at;
@@ -91,7 +91,7 @@ class ProgressBar {
   int drawn_ = -1;
 };
 
-std::vector<MonteCarloOutput> draw_trials(const Arguments& arguments, const System& system,
+std::vector<MonteCarloOutput> draw_trials(const PredictArguments& arguments, const System& system,
                                           const std::vector<std::size_t>& given) {
   if (arguments.trials == 0) return {};
   ProgressBar bar;
@@ -109,7 +109,7 @@ struct Prediction {
   TimePrediction time;
 };
 
-void print_text(const Arguments& arguments, const Prediction& prediction) {
+void print_text(const PredictArguments& arguments, const Prediction& prediction) {
   const System& system = prediction.system;
   const Plan& plan = system.plan();
   for (std::size_t o = 0; o < plan.outputs.size(); ++o) {
@@ -161,7 +161,7 @@ Json faults_json(const System& system) {
   return faults;
 }
 
-int predict(const Arguments& arguments, Session& session) {
+int predict(const PredictArguments& arguments, Session& session) {
   session.load_modules();
   Plan plan = session.read_graph(arguments.graph, arguments.sets);
   if (!arguments.profile.empty()) session.apply_profile_file(arguments.profile, plan);
@@ -199,7 +199,7 @@ int predict(const Arguments& arguments, Session& session) {
 }  // namespace
 
 void add_predict(Verb command, Session& session) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PredictArguments>();
   Verb verb = command.add_verb(
       "predict", "Time and error of a system at an operating point, without acquiring");
   verb.add_option("GRAPH", arguments->graph, "Graph file").required();

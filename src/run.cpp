@@ -38,7 +38,7 @@ constexpr unsigned most_threads = 1024;
 constexpr double least_picture_scale = 1e-3;
 constexpr double most_picture_scale = 1e6;
 
-struct Arguments {
+struct RunArguments {
   std::string graph;
   std::vector<std::string> sets;
   std::vector<std::string> commands;
@@ -148,7 +148,7 @@ void report_notes(const System& system) {
       fmt::print(stderr, "ilss: '{}': {}\n", system.plan().nodes[i].name, note);
 }
 
-Duration read_period(const Arguments& arguments) {
+Duration read_period(const RunArguments& arguments) {
   if (arguments.time == "log" && !arguments.period.empty())
     fail(exit_bad_input, "--period: with --time log the data say when the ticks are");
   const auto period =
@@ -169,7 +169,7 @@ Pacing read_pacing(const std::string& time) {
 
 /// Which ticks are judged. By default observers say so; but verdicts between its ticks would be in
 /// what a profile measures, since they leave the processor's caches to others.
-std::optional<std::int64_t> read_verdict_rate(const Arguments& arguments) {
+std::optional<std::int64_t> read_verdict_rate(const RunArguments& arguments) {
   if (arguments.verdict.empty())
     return arguments.profile.empty() ? std::nullopt : std::optional<std::int64_t>(0);
   if (arguments.verdict == "every") return 1;
@@ -219,7 +219,7 @@ void write_profile_file(const std::string& path, const Runner& runner) {
 }
 
 /// Writes the picture of the last tick that had something to draw.
-int write_picture_file(const Arguments& arguments, const std::optional<Picture>& picture) {
+int write_picture_file(const RunArguments& arguments, const std::optional<Picture>& picture) {
   if (!picture) {
     fmt::print(stderr,
                "ilss: --picture: nothing that the run gave has a place in a plane: no range scan, "
@@ -240,7 +240,7 @@ std::string ticks_text(std::int64_t ticks) {
 }
 
 /// What there is to say of a run's end besides its summary.
-void report_end(const Run& run, const Arguments& arguments) {
+void report_end(const Run& run, const RunArguments& arguments) {
   const Ending& ending = *run.ending();
   if (ending.reason == RunEnd::device_lost)
     fmt::print(stderr, "ilss: the run cannot go on: '{}': {}\n", ending.module->name,
@@ -255,7 +255,7 @@ void report_end(const Run& run, const Arguments& arguments) {
   report_notes(run.runner().system());
 }
 
-RunOptions read_options(const Arguments& arguments, const Plan& plan) {
+RunOptions read_options(const RunArguments& arguments, const Plan& plan) {
   return {.pacing = read_pacing(arguments.time),
           .period = read_period(arguments),
           .most_ticks = arguments.ticks.value_or(default_ticks),
@@ -266,7 +266,7 @@ RunOptions read_options(const Arguments& arguments, const Plan& plan) {
           .interrupted = &interrupted};
 }
 
-int run(const Arguments& arguments, Session& session) {
+int run(const RunArguments& arguments, Session& session) {
   session.load_modules();
   check_picture_scale(arguments.picture_scale);
   const Plan plan = session.read_graph(arguments.graph, arguments.sets);
@@ -309,7 +309,7 @@ int run(const Arguments& arguments, Session& session) {
 }  // namespace
 
 void add_run(Verb command, Session& session) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<RunArguments>();
   Verb verb = command.add_verb("run", "Run a system over its input");
   verb.add_option("GRAPH", arguments->graph, "Graph file").required();
   verb.add_set_option(arguments->sets);

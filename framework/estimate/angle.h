@@ -6,6 +6,9 @@
 
 namespace ilss {
 
+inline constexpr double radians_per_degree = std::numbers::pi / 180;
+inline constexpr double degrees_per_radian = 180 / std::numbers::pi;
+
 /// The same angle in [-pi, pi). Only whole turns are subtracted, so derivatives pass unchanged.
 template <typename T>
 T wrap_angle(T angle) {

@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "framework/module/document.h"
+#include "framework/record/shown_text.h"
 
 namespace ilss {
 namespace {
@@ -74,15 +75,6 @@ Outcome<std::string> read_text(const std::filesystem::path& path) {
   constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   if (text.starts_with(byte_order_mark)) text.erase(0, byte_order_mark.size());
   return text;
-}
-
-/// The cell for a message: what a terminal or JSON could not take shows as '?', long text is cut.
-std::string shown(std::string_view cell) {
-  constexpr std::size_t most = 40;
-  std::string text(cell.substr(0, most));
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return cell.size() > most ? text + "..." : text;
 }
 
 /// "front, left, back"; a header of very many columns is cut short.

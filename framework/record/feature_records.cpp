@@ -11,6 +11,7 @@
 
 #include "framework/estimate/decompositions.h"
 #include "framework/module/document.h"
+#include "framework/record/shown_text.h"
 
 namespace ilss {
 namespace {
@@ -18,18 +19,9 @@ namespace {
 using Json = nlohmann::json;
 
 Fault bad(std::string message) { return {FaultKind::bad_data, std::move(message)}; }
-Fault lost(std::string message) { return {FaultKind::device_lost, std::move(message)}; }
+Fault unreadable(std::string message) { return {FaultKind::device_lost, std::move(message)}; }
 
-/// A text for a message: what a terminal could not take shows as '?', what is long is cut.
-std::string shown(std::string_view text) {
-  constexpr std::size_t most = 40;
-  std::string result(text.substr(0, most));
-  std::replace_if(
-      result.begin(), result.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text.size() > most ? result + "..." : result;
-}
-
-std::string_view trimmed(std::string_view text) {
+std::string_view without_blanks(std::string_view text) {
   constexpr std::string_view blanks = " \t\r\n";
   const std::size_t first = text.find_first_not_of(blanks);
   if (first == std::string_view::npos) return {};
@@ -62,7 +54,7 @@ std::vector<std::string> split(std::string_view row) {
       }
     }
     const std::size_t comma = row.find(',');
-    if (cell.empty()) cell = trimmed(row.substr(0, comma));
+    if (cell.empty()) cell = without_blanks(row.substr(0, comma));
     cells.push_back(std::move(cell));
     if (comma == std::string_view::npos) return cells;
     row.remove_prefix(comma + 1);
@@ -257,7 +249,7 @@ Outcome<FeatureColumns> FeatureColumns::read(std::string_view header,
   columns.acquired_ = place("acquired");
   columns.frame_ = place("frame");
   if (columns.tick_ == missing || columns.type_ == missing)
-    return lost(
+    return unreadable(
         fmt::format("the header has no column '{}'; expected a CSV or JSON file of "
                     "features, as ilss run --features writes it",
                     columns.tick_ == missing ? "tick" : "type"));
@@ -272,10 +264,10 @@ Outcome<FeatureColumns> FeatureColumns::read(std::string_view header,
     const auto here = names.begin() + static_cast<std::ptrdiff_t>(i);
     const auto first = std::find(names.begin(), here, names[i]);
     if (first != here && known[static_cast<std::size_t>(first - names.begin())])
-      return lost(fmt::format("the column '{}' comes twice", names[i]));
+      return unreadable(fmt::format("the column '{}' comes twice", names[i]));
     if (names[i].starts_with("covariance.") && !known[i])
-      return lost(fmt::format("the column '{}' is of no two components of one type, in their order",
-                              shown(names[i])));
+      return unreadable(fmt::format(
+          "the column '{}' is of no two components of one type, in their order", shown(names[i])));
     // A column of the user's own may hold anything in every row.
     if (!known[i] || i == columns.tick_ || i == columns.type_ || i == columns.time_ ||
         i == columns.acquired_ || i == columns.frame_)
@@ -508,7 +500,7 @@ Outcome<RecordedFeature> feature_of(const Json& json, const PayloadDescriptor& s
 Outcome<std::optional<RecordedSet>> parse_feature_json(std::string_view line,
                                                        const PayloadDescriptor& set,
                                                        std::string_view frame) {
-  line = trimmed(line);
+  line = without_blanks(line);
   if (line.ends_with(',')) line.remove_suffix(1);
   if (line.empty() || line == "[" || line == "]") return std::optional<RecordedSet>();
   const Json json = Json::parse(line, nullptr, false);

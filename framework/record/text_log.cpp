@@ -13,33 +13,37 @@ namespace {
 
 constexpr std::size_t longest_log = std::size_t{1} << 30;  // bytes
 
-Fault lost(std::string message) { return {FaultKind::device_lost, std::move(message)}; }
+Fault unreadable_log(std::string message) { return {FaultKind::device_lost, std::move(message)}; }
 
 Outcome<std::string> read_text(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
-    return lost(error ? fmt::format("cannot read '{}': {}", path.string(), error.message())
-                      : fmt::format("'{}' is not a regular file", path.string()));
+    return unreadable_log(error
+                              ? fmt::format("cannot read '{}': {}", path.string(), error.message())
+                              : fmt::format("'{}' is not a regular file", path.string()));
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
-  if (file == nullptr) return lost(fmt::format("cannot read '{}'", path.string()));
+  if (file == nullptr) return unreadable_log(fmt::format("cannot read '{}'", path.string()));
   std::string text;
   std::string block(std::size_t{1} << 16, '\0');
   for (;;) {
     const int count = gzread(file.get(), block.data(), static_cast<unsigned>(block.size()));
     if (count < 0)
-      return lost(fmt::format("cannot read '{}': the compressed data are damaged", path.string()));
+      return unreadable_log(
+          fmt::format("cannot read '{}': the compressed data are damaged", path.string()));
     if (count == 0) break;
     text.append(block, 0, static_cast<std::size_t>(count));
     if (text.size() > longest_log)
-      return lost(fmt::format("'{}' is longer than 1 GB", path.string()));
+      return unreadable_log(fmt::format("'{}' is longer than 1 GB", path.string()));
   }
   int code = Z_OK;
   gzerror(file.get(), &code);
   if (code != Z_OK)
-    return lost(fmt::format("cannot read '{}': the compressed data end early", path.string()));
+    return unreadable_log(
+        fmt::format("cannot read '{}': the compressed data end early", path.string()));
   if (text.find('\0') != std::string::npos)
-    return lost(fmt::format("'{}' holds binary data; expected the lines of a log", path.string()));
-  if (text.empty()) return lost(fmt::format("'{}' is empty", path.string()));
+    return unreadable_log(
+        fmt::format("'{}' holds binary data; expected the lines of a log", path.string()));
+  if (text.empty()) return unreadable_log(fmt::format("'{}' is empty", path.string()));
   return text;
 }
 

@@ -12,14 +12,14 @@ namespace {
 constexpr int unknowns = 8;
 using Unknowns = Eigen::Matrix<double, unknowns, 1>;
 using Normal = Eigen::Matrix<double, unknowns, unknowns>;
-constexpr int camera_dimension = static_cast<int>(dimension_of<Image>);
-using CameraColumns = Eigen::Matrix<double, unknowns, camera_dimension>;
+constexpr int camera_columns = static_cast<int>(dimension_of<Image>);
+using CameraColumns = Eigen::Matrix<double, unknowns, camera_columns>;
 constexpr double rounding_variance = 1.0 / 12;
 
 /// How the shown edge moves with the camera's components while the ideal line stays: at a fixed
 /// position along, the shift across less what the shift along brings.
-Eigen::Matrix<double, 1, camera_dimension> edge_by_camera(const Image<double>& camera,
-                                                          const EdgeAt& at, bool vertical) {
+Eigen::Matrix<double, 1, camera_columns> edge_by_camera(const Image<double>& camera,
+                                                        const EdgeAt& at, bool vertical) {
   using D = Dual<dimension_of<Image>>;
   Image<D> variable{};
   const auto values = components(camera);
@@ -60,8 +60,8 @@ class BandProblem {
       const auto first = edge_at(camera_, edge(x, 0), window.along);
       const auto second = edge_at(camera_, edge(x, 1), window.along);
       if (!first || !second) return false;
-      Eigen::Matrix<double, 1, camera_dimension> first_by_camera;
-      Eigen::Matrix<double, 1, camera_dimension> second_by_camera;
+      Eigen::Matrix<double, 1, camera_columns> first_by_camera;
+      Eigen::Matrix<double, 1, camera_columns> second_by_camera;
       if (columns != nullptr) {
         first_by_camera = edge_by_camera(camera_, *first, frame_.vertical);
         second_by_camera = edge_by_camera(camera_, *second, frame_.vertical);

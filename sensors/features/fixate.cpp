@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "framework/estimate/angle.h"
+
 namespace ilss {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 /// From straight ahead to the left, of a place right and ahead.
 double to_the_left(double x, double z) { return std::atan2(-x, z); }
@@ -120,7 +120,7 @@ Outcome<> Fixate::evaluate(const Evaluation& evaluation, Output& output) {
   if (!(std::abs(angle) <= options_.stop))
     return Fault{FaultKind::out_of_range,
                  fmt::format("the edge is at {:.1f} deg, behind the head's stop at {:.1f} deg",
-                             angle / degree, options_.stop / degree)};
+                             angle / radians_per_degree, options_.stop / radians_per_degree)};
   assign<HeadAngle>(output.estimate, {angle});
   const double square = x * x + z * z;
   // An edge also has a direction, which does not matter.

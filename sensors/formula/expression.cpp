@@ -28,7 +28,7 @@ struct ExpressionOptions {
   Tape tape = Tape(0);
 };
 
-const ExpressionOptions& options_of(const Settings& settings) {
+const ExpressionOptions& expression_options(const Settings& settings) {
   return *static_cast<const ExpressionOptions*>(settings.options.get());
 }
 
@@ -155,8 +155,8 @@ void compile(ExpressionOptions& options, Diagnostics& diagnostics) {
   }
 }
 
-void resolve(const Connections& connections, Settings& settings, Interface& interface) {
-  auto options = std::make_shared<ExpressionOptions>(options_of(settings));
+void resolve_expression(const Connections& connections, Settings& settings, Interface& interface) {
+  auto options = std::make_shared<ExpressionOptions>(expression_options(settings));
   const std::size_t errors = connections.diagnostics->size();
   options->arguments = make_arguments(options->interface, connections, settings);
   compile(*options, *connections.diagnostics);
@@ -257,16 +257,17 @@ ModuleType expression_type() {
   type.faults = {FaultKind::not_finite};
   type.options = declare_expression();
   type.interface = [](const Settings& settings) {
-    return open_interface(settings.options == nullptr ? nullptr : &options_of(settings).interface);
+    return open_interface(settings.options == nullptr ? nullptr
+                                                      : &expression_options(settings).interface);
   };
   type.read_options = [](const Node* map, const std::filesystem::path&, Diagnostics& diagnostics,
                          Position fallback) -> std::shared_ptr<const void> {
     return std::make_shared<const ExpressionOptions>(
         read_expression_options(map, diagnostics, fallback));
   };
-  type.resolve = resolve;
+  type.resolve = resolve_expression;
   type.create = [](const Settings& settings) {
-    return std::make_unique<Expression>(options_of(settings));
+    return std::make_unique<Expression>(expression_options(settings));
   };
   return type;
 }

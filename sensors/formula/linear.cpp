@@ -26,7 +26,7 @@ struct LinearOptions {
   Eigen::MatrixXd map = {};  ///< outputs x arguments
 };
 
-const LinearOptions& options_of(const Settings& settings) {
+const LinearOptions& linear_options(const Settings& settings) {
   return *static_cast<const LinearOptions*>(settings.options.get());
 }
 
@@ -164,8 +164,8 @@ void make_map(LinearOptions& options, Diagnostics& diagnostics) {
   options.map = scale.asDiagonal() * solve(qr, Eigen::MatrixXd::Identity(arguments, arguments));
 }
 
-void resolve(const Connections& connections, Settings& settings, Interface& interface) {
-  auto options = std::make_shared<LinearOptions>(options_of(settings));
+void resolve_linear(const Connections& connections, Settings& settings, Interface& interface) {
+  auto options = std::make_shared<LinearOptions>(linear_options(settings));
   options->arguments = make_arguments(options->interface, connections, settings);
   make_map(*options, *connections.diagnostics);
   if (options->map.size() != 0)
@@ -218,15 +218,16 @@ ModuleType linear_type() {
   type.faults = {FaultKind::not_finite};
   type.options = declare_linear();
   type.interface = [](const Settings& settings) {
-    return open_interface(settings.options == nullptr ? nullptr : &options_of(settings).interface);
+    return open_interface(settings.options == nullptr ? nullptr
+                                                      : &linear_options(settings).interface);
   };
   type.read_options = [](const Node* map, const std::filesystem::path&, Diagnostics& diagnostics,
                          Position fallback) -> std::shared_ptr<const void> {
     return std::make_shared<const LinearOptions>(read_linear_options(map, diagnostics, fallback));
   };
-  type.resolve = resolve;
+  type.resolve = resolve_linear;
   type.create = [](const Settings& settings) {
-    return std::make_unique<Linear>(options_of(settings));
+    return std::make_unique<Linear>(linear_options(settings));
   };
   return type;
 }

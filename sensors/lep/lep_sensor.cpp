@@ -6,12 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "framework/estimate/angle.h"
 #include "framework/estimate/random.h"
 
 namespace ilss {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 /// `pose` seen from `base`: x to the right, z forward, heading to the left.
 struct RelativePose {
@@ -37,7 +36,7 @@ void LepSensor::Options::declare(OptionVisitor& visit) {
   visit("scan_readings", scan_readings, "readings from one side of the field to the other",
         {.minimum = 2, .maximum = 100000});
   visit("field_of_view", field_of_view, "from the first to the last reading of a scan",
-        {.unit = "rad", .minimum = 0.01, .maximum = 120 * degree});
+        {.unit = "rad", .minimum = 0.01, .maximum = 120 * radians_per_degree});
   visit("reading_rate", reading_rate, "readings a second", {.unit = "1/s", .minimum = 1});
   visit("beam_width", beam.width, "of the laser, between its outermost rays",
         {.unit = "m", .minimum = 0, .maximum = 0.1});
@@ -50,7 +49,7 @@ void LepSensor::Options::declare(OptionVisitor& visit) {
   visit("saturation_current", saturation_current, "above it there is no reading",
         {.unit = "A", .minimum = 0});
   visit("head_angle", head_angle, "of the head at the start, positive to the left",
-        {.unit = "rad", .minimum = -90 * degree, .maximum = 90 * degree});
+        {.unit = "rad", .minimum = -90 * radians_per_degree, .maximum = 90 * radians_per_degree});
   visit("head_step", drive.step, "what the head's angle is a multiple of after rotate_to",
         {.unit = "rad", .minimum = 1e-6});
   visit("speed", speed, "of the vehicle, forward", {.unit = "m/s"});
@@ -83,17 +82,19 @@ Outcome<> LepSensor::command(const Command& command) {
     return Fault{FaultKind::refused, "expected a quantity as value of " + command.name};
   if (command.name == "rotate_to") {
     if (!(std::abs(*value) <= options_.drive.stop))
-      return Fault{FaultKind::refused,
-                   fmt::format("{:.6g} deg is beyond the head's stops at ±{:.6g} deg",
-                               *value / degree, options_.drive.stop / degree)};
+      return Fault{
+          FaultKind::refused,
+          fmt::format("{:.6g} deg is beyond the head's stops at ±{:.6g} deg",
+                      *value / radians_per_degree, options_.drive.stop / radians_per_degree)};
     head_.turn_to(*value, seconds(command.time));
     return {};
   }
   if (command.name == "rotate_at") {
     if (!(std::abs(*value) <= options_.drive.fastest))
-      return Fault{FaultKind::refused,
-                   fmt::format("{:.6g} deg/s is faster than the drive's {:.6g} deg/s",
-                               *value / degree, options_.drive.fastest / degree)};
+      return Fault{
+          FaultKind::refused,
+          fmt::format("{:.6g} deg/s is faster than the drive's {:.6g} deg/s",
+                      *value / radians_per_degree, options_.drive.fastest / radians_per_degree)};
     head_.turn_at(*value, seconds(command.time));
     return {};
   }

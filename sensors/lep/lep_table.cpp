@@ -9,10 +9,10 @@
 #include <numeric>
 #include <optional>
 
+#include "framework/estimate/angle.h"
+
 namespace ilss {
 namespace {
-
-constexpr double degrees = 180 / std::numbers::pi;
 
 /// The different values of a member, rising.
 std::vector<double> levels(std::span<const LepCalibrationPoint> points,
@@ -42,11 +42,11 @@ Outcome<LepTable> LepTable::make(std::span<const LepCalibrationPoint> points) {
                              table.angles_.size(), table.depths_.size())};
   const std::size_t cells = table.angles_.size() * table.depths_.size();
   const auto irregular = [&](const char* what, double angle, double depth) {
-    return Fault{
-        FaultKind::bad_data,
-        fmt::format("{} reading at {:.4f} deg and {:.4f} m: a table has one at each of "
-                    "its {} scan angles and {} depths",
-                    what, angle * degrees, depth, table.angles_.size(), table.depths_.size())};
+    return Fault{FaultKind::bad_data,
+                 fmt::format("{} reading at {:.4f} deg and {:.4f} m: a table has one at each of "
+                             "its {} scan angles and {} depths",
+                             what, angle * degrees_per_radian, depth, table.angles_.size(),
+                             table.depths_.size())};
   };
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   table.positions_.assign(cells, none);
@@ -78,23 +78,24 @@ Outcome<LepTableDepth> LepTable::invert_at(std::size_t angle, double image_posit
           FaultKind::ambiguous,
           fmt::format("near {:.3f} deg the table has an image at {:.4f} mm more than once, "
                       "between {:.3f} m and {:.3f} m",
-                      angles_[angle] * degrees, 1e3 * image_position, found->depth, depths_[d])};
+                      angles_[angle] * degrees_per_radian, 1e3 * image_position, found->depth,
+                      depths_[d])};
     const double gain = (depths_[d + 1] - depths_[d]) / (next - here);
     found = {depths_[d] + offset * (depths_[d + 1] - depths_[d]), gain};
   }
   if (!found)
     return Fault{FaultKind::out_of_range,
                  fmt::format("near {:.3f} deg the table has no image at {:.4f} mm",
-                             angles_[angle] * degrees, 1e3 * image_position)};
+                             angles_[angle] * degrees_per_radian, 1e3 * image_position)};
   return *found;
 }
 
 Outcome<LepTableDepth> LepTable::invert(double scan_angle, double image_position) const {
   if (!(scan_angle >= angles_.front() && scan_angle <= angles_.back()))
-    return Fault{
-        FaultKind::out_of_range,
-        fmt::format("the table reaches from {:.3f} to {:.3f} deg; {:.3f} deg lies outside",
-                    angles_.front() * degrees, angles_.back() * degrees, scan_angle * degrees)};
+    return Fault{FaultKind::out_of_range,
+                 fmt::format("the table reaches from {:.3f} to {:.3f} deg; {:.3f} deg lies outside",
+                             angles_.front() * degrees_per_radian,
+                             angles_.back() * degrees_per_radian, scan_angle * degrees_per_radian)};
   const std::size_t upper = index_of(angles_, scan_angle);
   auto at = invert_at(upper, image_position);
   if (!at || angles_[upper] == scan_angle) return at;

@@ -11,7 +11,7 @@
 namespace ilss {
 namespace {
 
-constexpr std::size_t scan_size = dimension_of<RangeScan>;
+constexpr std::size_t range_scan_size = dimension_of<RangeScan>;
 
 double scale_of(const std::string& unit, const char* si_unit) {
   const auto conversion = unit_conversion(unit, si_unit);
@@ -206,12 +206,12 @@ Outcome<> RangeReadings::evaluate(const Evaluation& evaluation, Output& output) 
   assign<RangeScan>(output.estimate, {p.mount_x, p.mount_z, p.mount_heading, 0, 0, 0, 0, 0,
                                       options_.noise_correlation, options_.beam_width, 1});
   constexpr std::size_t parameter_count = dimension_of<Parameters>;
-  std::array<double, scan_size * parameter_count> jacobian{};
-  jacobian[0 * scan_size + 3] = 1;            // the offset, in m
-  jacobian[1 * scan_size + 4] = 1 / p.scale;  // the scale's relative error
-  for (std::size_t i = 0; i < 3; ++i) jacobian[(2 + i) * scan_size + i] = 1;
+  std::array<double, range_scan_size * parameter_count> jacobian{};
+  jacobian[0 * range_scan_size + 3] = 1;            // the offset, in m
+  jacobian[1 * range_scan_size + 4] = 1 / p.scale;  // the scale's relative error
+  for (std::size_t i = 0; i < 3; ++i) jacobian[(2 + i) * range_scan_size + i] = 1;
   const LineageTerm term{jacobian.data(), &evaluation.parameters.lineage};
-  compose({&term, 1}, scan_size, output.estimate.lineage);
+  compose({&term, 1}, range_scan_size, output.estimate.lineage);
   return {};
 }
 

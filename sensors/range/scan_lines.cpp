@@ -6,19 +6,19 @@
 namespace ilss {
 namespace {
 
-struct Point {
+struct PlanePoint {
   double x;
   double z;
 };
 
-Point point_of(const RangeReading& reading) {
+PlanePoint point_of(const RangeReading& reading) {
   return {reading.origin_x + std::cos(reading.bearing) / reading.inverse_range,
           reading.origin_z + std::sin(reading.bearing) / reading.inverse_range};
 }
 
 double distance(const RangeReading& a, const RangeReading& b) {
-  const Point p = point_of(a);
-  const Point q = point_of(b);
+  const PlanePoint p = point_of(a);
+  const PlanePoint q = point_of(b);
   return std::hypot(p.x - q.x, p.z - q.z);
 }
 

@@ -1,6 +1,7 @@
 // The simulated planar world that every simulated sensor looks at.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,11 @@ struct ScenePoint {
   double z = 0;
   void declare(OptionVisitor& visit);
 };
+
+/// How far two points are apart (m).
+inline double distance(const ScenePoint& a, const ScenePoint& b) {
+  return std::hypot(a.x - b.x, a.z - b.z);
+}
 
 /// Where something stands and looks: heading from x towards z (rad), so positive is to the right.
 struct ScenePose {

@@ -4,10 +4,10 @@
 
 #include <numbers>
 
+#include "framework/estimate/angle.h"
+
 namespace ilss {
 namespace {
-
-constexpr double degrees = 180 / std::numbers::pi;
 
 std::optional<Fault> check_sonar(const SonarReading<double>& sonar, std::string_view side) {
   if (!(sonar.range > 0) || !std::isfinite(sonar.range))
@@ -18,7 +18,7 @@ std::optional<Fault> check_sonar(const SonarReading<double>& sonar, std::string_
     return Fault{FaultKind::out_of_range,
                  fmt::format("the {} sonar's beam half angle is {:.2f} deg; it must lie between 0 "
                              "and 90 deg",
-                             side, sonar.beam_half_angle * degrees)};
+                             side, sonar.beam_half_angle * degrees_per_radian)};
   if (!std::isfinite(sonar.mount_x + sonar.mount_z + sonar.mount_heading))
     return Fault{FaultKind::out_of_range, fmt::format("the {} sonar's mount is not finite", side)};
   return std::nullopt;

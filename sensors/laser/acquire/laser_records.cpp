@@ -7,10 +7,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "framework/estimate/angle.h"
+
 namespace ilss {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
 constexpr std::size_t most_beams = 1'000'000;
 
 /// The words of a line, one after another.
@@ -98,9 +99,9 @@ Outcome<std::optional<LaserRecord>> parse_old_laser(Words& words) {
   std::vector<double> poses;
   if (const auto fault = read_numbers(words, 7, "a pose or the time", poses)) return *fault;
   record.time = poses.back();
-  record.first_bearing = -90 * degree;
+  record.first_bearing = -90 * radians_per_degree;
   const bool reaches_end = *count % 2 == 1;
-  record.step = 180 * degree / static_cast<double>(reaches_end ? *count - 1 : *count);
+  record.step = 180 * radians_per_degree / static_cast<double>(reaches_end ? *count - 1 : *count);
   return std::optional(std::move(record));
 }
 
@@ -143,7 +144,7 @@ Outcome<std::optional<LaserRecord>> parse_urg(std::string_view line) {
   Words words(line, blanks);
   if (words.at_end()) return std::optional<LaserRecord>();
   constexpr std::size_t header_size = 24;
-  constexpr double step = 360.0 / 1024 * degree;
+  constexpr double step = 360.0 / 1024 * radians_per_degree;
   LaserRecord record;
   std::vector<double> header;
   if (const auto fault = read_numbers(words, header_size, "a header number", header)) return *fault;

@@ -19,7 +19,7 @@ constexpr std::uint32_t column_of_second_order = 5;
 constexpr std::uint32_t column_of_first_edge = 6;
 constexpr std::uint32_t column_of_last_edge = 7;
 
-constexpr Eigen::Index scan_size = dimension_of<SegmentedScan>;
+constexpr Eigen::Index laser_dimension = dimension_of<SegmentedScan>;
 constexpr auto bias_column = static_cast<Eigen::Index>(first_bias);
 constexpr auto bias_count = static_cast<Eigen::Index>(range_biases);
 constexpr auto mount_column = static_cast<Eigen::Index>(first_mount);
@@ -147,7 +147,8 @@ Estimate& LaserFeatureWriter::write(const PayloadDescriptor& type,
   Estimate& element = next(type);
   element.value.assign(feature.value.data(), feature.value.data() + Rows);
   if (!has_systematic_errors_) return element;
-  Eigen::Matrix<double, Rows, scan_size> by_scan = Eigen::Matrix<double, Rows, scan_size>::Zero();
+  Eigen::Matrix<double, Rows, laser_dimension> by_scan =
+      Eigen::Matrix<double, Rows, laser_dimension>::Zero();
   by_scan.template middleCols<bias_count>(bias_column) = feature.by_bias;
   by_scan.template middleCols<3>(mount_column) = feature.by_mount;
   const LineageTerm term{by_scan.data(), &evaluation_.input(0).lineage};

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/estimate/angle.h"
 #include "sensors/laser/simulate/visible_pieces.h"
 
 namespace ilss {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
 constexpr double half_room = 5;          // m, of the largest
 constexpr double clearance = 0.5;        // m
 constexpr int placement_attempts = 200;  // for a thing of one size
@@ -29,10 +29,6 @@ class Draw {
  private:
   RandomBits random_;
 };
-
-double distance(const ScenePoint& a, const ScenePoint& b) {
-  return std::hypot(a.x - b.x, a.z - b.z);
-}
 
 double distance(const ScenePoint& point, const Wall& wall) {
   const double dx = wall.to.x - wall.from.x;
@@ -89,7 +85,8 @@ void add_side(const ScenePoint& corner, const ScenePoint& direction, double leng
   add(cut_at_start, 0);
   const double width = draw.between(1, 2.5);
   const double depth = draw.between(0.6, 1.2) * (draw.chance(0.5) ? 1 : -1);
-  const double slant = std::abs(depth) / std::tan(draw.between(35 * degree, 90 * degree));
+  const double slant =
+      std::abs(depth) / std::tan(draw.between(35 * radians_per_degree, 90 * radians_per_degree));
   const double taken = width + 2 * slant;
   constexpr double least_wall = 0.8;
   const double first = cut_at_start + least_wall;
@@ -114,7 +111,7 @@ std::vector<ScenePoint> draw_outline(Draw& draw) {
   Cut cuts[4];
   for (Cut& cut : cuts) {
     const double size = draw.between(0.9, 2.2);
-    const double angle = draw.between(32 * degree, 58 * degree);
+    const double angle = draw.between(32 * radians_per_degree, 58 * radians_per_degree);
     if (draw.chance(0.35)) cut = {size * std::cos(angle), size * std::sin(angle)};
   }
   const ScenePoint corners[4] = {{-length / 2, -width / 2},

@@ -20,10 +20,6 @@ const ScenePoint* common_end(const Wall& a, const Wall& b) {
   return nullptr;
 }
 
-double distance(const ScenePoint& a, const ScenePoint& b) {
-  return std::hypot(a.x - b.x, a.z - b.z);
-}
-
 /// A wall's line in a frame: rho (m, not negative) and phi.
 struct PlaneLine {
   double rho, phi;

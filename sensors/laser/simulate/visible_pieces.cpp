@@ -7,10 +7,6 @@
 namespace ilss {
 namespace {
 
-double distance(const ScenePoint& a, const ScenePoint& b) {
-  return std::hypot(a.x - b.x, a.z - b.z);
-}
-
 /// How much of a circle lies between two of its points (rad).
 double span_between(const ScenePoint& centre, const ScenePoint& a, const ScenePoint& b) {
   return std::abs(wrap_angle(std::atan2(a.z - centre.z, a.x - centre.x) -
