@@ -51,6 +51,8 @@ double chi_square_quantile(double degrees_of_freedom, double probability);
 /// The half width of a two-sided interval in standard deviations: of Student's t, or of the normal
 /// law where the degrees of freedom are infinite (JCGM 100:2008, G.3).
 double coverage_factor(double degrees_of_freedom, double probability);
+/// That of a normal law at 95 %.
+inline constexpr double normal_coverage_factor_95 = 1.959963984540054;
 
 /// Collects normalised errors of many runs: an honest estimator's mean per degree of freedom is 1.
 class ConsistencyStatistic {

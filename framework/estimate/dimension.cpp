@@ -11,12 +11,12 @@
 namespace ilss {
 namespace {
 
-constexpr double rounding = 1e-9;
+constexpr double exponent_rounding = 1e-9;
 
 /// "m2", "m^0.5", "m".
 std::string power_text(std::string_view unit, double power) {
-  if (std::abs(power - 1) < rounding) return std::string(unit);
-  if (std::abs(power - std::round(power)) < rounding)
+  if (std::abs(power - 1) < exponent_rounding) return std::string(unit);
+  if (std::abs(power - std::round(power)) < exponent_rounding)
     return fmt::format("{}{}", unit, std::lround(power));
   return fmt::format("{}^{:.4g}", unit, power);
 }
@@ -58,9 +58,9 @@ std::string Dimension::unit() const {
   std::string above;
   std::string below;
   for (std::size_t i = 0; i < powers_.size(); ++i) {
-    if (powers_[i] > rounding)
+    if (powers_[i] > exponent_rounding)
       above += (above.empty() ? "" : ".") + power_text(base_units[i], powers_[i]);
-    if (powers_[i] < -rounding) below += "/" + power_text(base_units[i], -powers_[i]);
+    if (powers_[i] < -exponent_rounding) below += "/" + power_text(base_units[i], -powers_[i]);
   }
   return (above.empty() ? "1" : above) + below;
 }
@@ -77,7 +77,7 @@ Dimension operator/(const Dimension& a, const Dimension& b) { return a * b.power
 
 bool operator==(const Dimension& a, const Dimension& b) {
   return std::equal(a.powers_.begin(), a.powers_.end(), b.powers_.begin(),
-                    [](double x, double y) { return std::abs(x - y) < rounding; });
+                    [](double x, double y) { return std::abs(x - y) < exponent_rounding; });
 }
 
 }  // namespace ilss

@@ -9,7 +9,7 @@
 namespace ilss {
 namespace {
 
-using Kind = ParameterDeclaration::Kind;
+using CommandKind = ParameterDeclaration::Kind;
 
 /// A value of type T, read as an option of it is.
 template <typename T>
@@ -77,14 +77,14 @@ std::optional<CommandValue> read_command_value(const CommandDeclaration& declara
     return std::nullopt;
   }
   switch (declaration.value.kind) {
-    case Kind::quantity:
-    case Kind::number:
+    case CommandKind::quantity:
+    case CommandKind::number:
       return read_as<double>(declaration, value, diagnostics);
-    case Kind::integer:
+    case CommandKind::integer:
       return read_as<std::int64_t>(declaration, value, diagnostics);
-    case Kind::boolean:
+    case CommandKind::boolean:
       return read_as<bool>(declaration, value, diagnostics);
-    case Kind::choice:
+    case CommandKind::choice:
       return read_choice(declaration.value.choices, value, diagnostics);
     default:
       return read_as<std::string>(declaration, value, diagnostics);
@@ -121,15 +121,15 @@ std::optional<ScheduledCommand> parse_command(const std::string& text, const Pla
 
 std::string expectation(const CommandDeclaration& declaration) {
   switch (declaration.value.kind) {
-    case Kind::quantity:
+    case CommandKind::quantity:
       return dimension_name(declaration.value.unit);
-    case Kind::integer:
+    case CommandKind::integer:
       return "an integer";
-    case Kind::boolean:
+    case CommandKind::boolean:
       return "true or false";
-    case Kind::choice:
+    case CommandKind::choice:
       return fmt::format("one of {}", fmt::join(declaration.value.choices, ", "));
-    case Kind::text:
+    case CommandKind::text:
       return "a text";
     default:
       return "a number";

@@ -15,7 +15,7 @@ constexpr std::size_t longest_log = std::size_t{1} << 30;  // bytes
 
 Fault unreadable_log(std::string message) { return {FaultKind::device_lost, std::move(message)}; }
 
-Outcome<std::string> read_text(const std::filesystem::path& path) {
+Outcome<std::string> read_unzipped(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     return unreadable_log(error
@@ -55,7 +55,7 @@ Outcome<std::shared_ptr<const TextLog>> TextLog::open(const std::filesystem::pat
   static std::map<std::filesystem::path, std::weak_ptr<const TextLog>> held;
   const std::lock_guard lock(mutex);
   if (auto log = held[path].lock()) return log;
-  auto text = read_text(path);
+  auto text = read_unzipped(path);
   if (!text) return text.fault();
   auto log = std::make_shared<TextLog>();
   log->text_ = std::move(*text);

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "framework/estimate/consistency.h"
 #include "framework/semantics/error_draws.h"
 #include "framework/semantics/principal_axes.h"
 
@@ -16,7 +17,6 @@ namespace ilss {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double covered_deviations = 1.959963984540054;  // of the normal 95 % interval
 
 /// The offsets of one output from its first-order value in every trial, NaN in those without one.
 struct Offsets {
@@ -147,7 +147,7 @@ MonteCarloOutput summarise(Offsets& output, const Estimate& first_order, std::si
   result.joint_coverage = share_in_ellipsoid(output, first_order.lineage);
   for (std::size_t c = 0; c < output.components.size(); ++c) {
     const double deviation = first_order.lineage.standard_deviation(c);
-    const double half_width = covered_deviations * deviation;
+    const double half_width = normal_coverage_factor_95 * deviation;
     result.coverage.push_back(deviation > 0 ? share_within(output.components[c], 0, half_width)
                                             : nan);
     const Interval offsets = shortest_interval(output.components[c], 0.95);
@@ -187,7 +187,7 @@ void merge(const Trials::Desk& desk, std::vector<Offsets>& outputs) {
 
 double MonteCarloOutput::coverage_around(std::size_t component, double bias,
                                          double deviation) const {
-  return share_within(offsets[component], bias, covered_deviations * deviation);
+  return share_within(offsets[component], bias, normal_coverage_factor_95 * deviation);
 }
 
 std::vector<MonteCarloOutput> run_monte_carlo(const System& system,

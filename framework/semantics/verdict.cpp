@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "framework/estimate/consistency.h"
 #include "framework/semantics/second_order.h"
 
 namespace ilss {
@@ -16,7 +17,6 @@ namespace {
 constexpr std::uint64_t trial_seed = 0;
 /// What counts for rounding, against the numbers that an output is made of.
 constexpr double relative_rounding = 1e-12;
-constexpr double covered_deviations = 1.959963984540054;  // of the normal 95 % interval
 
 /// Whether the second order is small along a direction. `size` is of the numbers that make it up:
 /// an error of their rounding is no error.
@@ -96,9 +96,9 @@ class Look {
   /// The intervals whose share of trials is wanted: around the stated value, and around the
   /// corrected one.
   void set_limits(std::size_t c, double deviation, double bias, double corrected_deviation) {
-    components_[c].limit = covered_deviations * deviation;
+    components_[c].limit = normal_coverage_factor_95 * deviation;
     components_[c].bias = bias;
-    components_[c].corrected_limit = covered_deviations * corrected_deviation;
+    components_[c].corrected_limit = normal_coverage_factor_95 * corrected_deviation;
   }
   void add(std::span<const double> offset, bool inside_ellipsoid) {
     const double weight = 1 / static_cast<double>(++trials_);
