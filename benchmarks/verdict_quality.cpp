@@ -9,6 +9,7 @@
 #include <mutex>
 #include <thread>
 
+#include "framework/graph/given_outputs.h"
 #include "framework/graph/plan.h"
 #include "framework/semantics/monte_carlo.h"
 #include "framework/semantics/verdict.h"

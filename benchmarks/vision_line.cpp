@@ -4,6 +4,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "framework/graph/given_outputs.h"
 #include "framework/semantics/monte_carlo.h"
 #include "sensors/register.h"
 

@@ -1,6 +1,7 @@
 // `ilss eval`: one module on given estimates.
 #include <fmt/format.h>
 
+#include "framework/graph/given_outputs.h"
 #include "framework/graph/value_reader.h"
 #include "framework/report/estimate_json.h"
 #include "framework/report/estimate_text.h"

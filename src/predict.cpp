@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "framework/graph/correlation.h"
+#include "framework/graph/given_outputs.h"
 #include "framework/graph/value_reader.h"
 #include "framework/report/estimate_json.h"
 #include "framework/report/estimate_text.h"

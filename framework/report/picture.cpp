@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "framework/module/sample_column.h"
+#include "framework/module/column_numbers.h"
 #include "framework/report/set_text.h"
 
 namespace ilss {

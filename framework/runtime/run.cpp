@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <thread>
 
 namespace ilss {
 
@@ -15,12 +14,6 @@ Time later(Time time, Duration wait) {
   return __builtin_add_overflow(time.time_since_epoch().count(), wait.count(), &sum)
              ? Time::max()
              : Time(Duration(sum));
-}
-
-Time simulated_time(std::int64_t tick, Duration period) {
-  Duration::rep product = 0;
-  return __builtin_mul_overflow(tick, period.count(), &product) ? Time::max()
-                                                                : Time(Duration(product));
 }
 
 }  // namespace
@@ -46,7 +39,8 @@ Run::Run(const Plan& plan, RunOptions options)
               {.folding = options_.folding,
                .stand_ins = std::move(options_.stand_ins),
                .follow_data = options_.pacing == Pacing::data},
-              options_.threads) {}
+              options_.threads),
+      pacer_(options_.pacing, options_.period, options_.interrupted) {}
 
 bool Run::open(Diagnostics& diagnostics) {
   const std::size_t known = diagnostics.size();
@@ -72,7 +66,6 @@ void Run::schedule(ScheduledCommand command) {
 /// The first tick has its time: now it is known when commands are due.
 void Run::start_at(Time time) {
   first_ = time;
-  began_ = std::chrono::steady_clock::now();
   for (ScheduledCommand& command : options_.commands) schedule(std::move(command));
   options_.commands.clear();
 }
@@ -80,9 +73,9 @@ void Run::start_at(Time time) {
 bool Run::step() {
   if (ending_) return false;
   if (options_.most_ticks != 0 && ticks_ == options_.most_ticks) return end(RunEnd::most_ticks);
-  if (is_interrupted()) return end(RunEnd::interrupted);
-  const std::optional<Time> time = next_time();
-  if (!time) return end(is_interrupted() ? RunEnd::interrupted : RunEnd::end_of_data);
+  if (pacer_.is_interrupted()) return end(RunEnd::interrupted);
+  const std::optional<Time> time = pacer_.next(system());
+  if (!time) return end(pacer_.is_interrupted() ? RunEnd::interrupted : RunEnd::end_of_data);
   if (!first_) start_at(*time);
   runner_.step(*time);
   const TickView::Beside beside{
@@ -104,39 +97,6 @@ const Ending& Run::finish() {
   while (step()) {
   }
   return *ending_;
-}
-
-std::optional<Time> Run::next_time() {
-  switch (options_.pacing) {
-    case Pacing::simulated:
-      return simulated_time(ticks_, options_.period);
-    case Pacing::real:
-      return next_real_time();
-    case Pacing::data:
-      return next_time_of_data();
-  }
-  return std::nullopt;
-}
-
-/// Waits for the next period to begin; nothing where it is interrupted meanwhile.
-std::optional<Time> Run::next_real_time() {
-  using Clock = std::chrono::steady_clock;
-  if (!began_) return Time{};
-  const std::int64_t now = (Clock::now() - *began_) / options_.period;
-  missed_periods_ += std::max<std::int64_t>(now - period_ - 1, 0);
-  period_ = std::max(now, period_ + 1);
-  const Clock::time_point begins = *began_ + period_ * options_.period;
-  constexpr std::chrono::milliseconds patience(50);
-  while (Clock::now() < begins && !is_interrupted())
-    std::this_thread::sleep_until(std::min(begins, Clock::now() + patience));
-  if (is_interrupted()) return std::nullopt;
-  return Time(std::chrono::duration_cast<Duration>(Clock::now() - *began_));
-}
-
-/// Stamps that run backwards are taken as of the tick before.
-std::optional<Time> Run::next_time_of_data() {
-  const std::optional<Time> next = system().next_data_time();
-  return next && first_ ? std::max(*next, system().time()) : next;
 }
 
 /// The outputs that are to be judged in this tick, and those between them.

@@ -1,4 +1,4 @@
-// A run of a system: where its ticks come from, when it ends, who commands it and who looks on. The
+// A run of a system: when it ends, who commands it and who looks on. The
 // command, programs and other hosts drive this one object; it prints nothing.
 #pragma once
 
@@ -11,16 +11,10 @@
 #include <vector>
 
 #include "framework/runtime/characteristic_output.h"
+#include "framework/runtime/pacing.h"
 #include "framework/runtime/runner.h"
 
 namespace ilss {
-
-/// Where the times of a run's ticks come from.
-enum class Pacing {
-  simulated,  ///< a period from tick to tick, counted from 0, as fast as the modules go
-  real,       ///< the same by the machine's clock: each tick waits for its time
-  data,       ///< the sources' own clocks: a tick whenever data of a log were acquired
-};
 
 /// How a run is set up.
 struct RunOptions {
@@ -95,7 +89,7 @@ class Run {
   /// How many verdicts there were on these, one an output.
   std::int64_t verdicts() const { return verdicts_; }
   /// Periods of the real clock that went by while a tick took longer.
-  std::int64_t missed_periods() const { return missed_periods_; }
+  std::int64_t missed_periods() const { return pacer_.missed_periods(); }
   /// The last tick. @pre There was one.
   const TickView& last() const { return *view_; }
 
@@ -104,21 +98,16 @@ class Run {
   System& system() { return runner_.system(); }
 
  private:
-  std::optional<Time> next_time();
-  std::optional<Time> next_real_time();
-  std::optional<Time> next_time_of_data();
   void start_at(Time time);
   OutputRange wanted_verdicts() const;
   std::span<const VerdictReport> judge(OutputRange outputs);
   bool ends_with(FaultKind kind, RunEnd reason);
-  bool is_interrupted() const {
-    return options_.interrupted != nullptr && options_.interrupted->load(std::memory_order_relaxed);
-  }
   bool end(RunEnd reason) { return ending_ = Ending{reason}, false; }
 
   const Plan& plan_;
   RunOptions options_;
   Runner runner_;
+  Pacer pacer_;
   std::vector<Observer*> observers_;
   std::optional<Ending> ending_;
   std::optional<TickView> view_;
@@ -127,10 +116,7 @@ class Run {
   std::int64_t ticks_ = 0;
   std::int64_t judged_ticks_ = 0;
   std::int64_t verdicts_ = 0;
-  std::int64_t missed_periods_ = 0;
-  std::int64_t period_ = 0;                                     ///< how many have gone by
-  std::optional<Time> first_;                                   ///< the first tick's time
-  std::optional<std::chrono::steady_clock::time_point> began_;  ///< at the first tick
+  std::optional<Time> first_;  ///< the first tick's time
 };
 
 }  // namespace ilss

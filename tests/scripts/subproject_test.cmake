@@ -11,7 +11,7 @@ function(run result)
 endfunction()
 
 run(_ ${CMAKE_COMMAND} -G Ninja -S ${SOURCE_DIR}/tests/scripts/subproject -B ${WORK_DIR}
-      -D ILSS_SOURCE_DIR=${SOURCE_DIR})
+      -D ILSS_SOURCE_DIR=${SOURCE_DIR} -D CMAKE_UNITY_BUILD=ON -D CMAKE_UNITY_BUILD_BATCH_SIZE=6)
 run(_ ${CMAKE_COMMAND} --build ${WORK_DIR})
 file(GLOB_RECURSE programs ${WORK_DIR}/another)
 run(angle ${programs})

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "command.h"
+#include "framework/graph/given_outputs.h"
 
 namespace ilss {
 namespace {

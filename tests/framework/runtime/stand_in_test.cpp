@@ -1,8 +1,7 @@
 // Modules that open and close, and what stands in for them.
-#include "framework/graph/stand_in.h"
-
 #include <gtest/gtest.h>
 
+#include "framework/graph/given_outputs.h"
 #include "framework/graph/system.h"
 #include "tests/framework/runtime/test_modules.h"
 

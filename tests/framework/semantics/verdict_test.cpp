@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/graph/given_outputs.h"
 #include "tests/framework/graph/read_graph.h"
 
 namespace ilss {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "framework/estimate/consistency.h"
+#include "framework/graph/given_outputs.h"
 #include "sensors/camera/vision_line.h"
 #include "sensors/wall/wall_pose.h"
 #include "tests/sensors/camera/camera_rig.h"

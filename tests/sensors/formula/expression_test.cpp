@@ -9,6 +9,7 @@
 #include <fstream>
 #include <random>
 
+#include "framework/graph/given_outputs.h"
 #include "tests/allocation_count.h"
 #include "tests/sensors/formula/graph_of_formulas.h"
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "framework/estimate/consistency.h"
+#include "framework/graph/given_outputs.h"
 #include "tests/sensors/module_run.h"
 
 namespace ilss {

@@ -1,8 +1,7 @@
 // Columns of samples by their names.
-#include "framework/module/sample_column.h"
-
 #include <gtest/gtest.h>
 
+#include "framework/module/column_numbers.h"
 #include "framework/module/sample_rows.h"
 
 namespace ilss {

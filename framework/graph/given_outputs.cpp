@@ -1,4 +1,4 @@
-#include "framework/graph/stand_in.h"
+#include "framework/graph/given_outputs.h"
 
 #include <algorithm>
 #include <cmath>

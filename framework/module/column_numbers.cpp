@@ -1,4 +1,4 @@
-#include "framework/module/sample_column.h"
+#include "framework/module/column_numbers.h"
 
 #include <cstring>
 
