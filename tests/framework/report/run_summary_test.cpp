@@ -8,7 +8,7 @@
 namespace ilss {
 namespace {
 
-using test::plan_of;
+using runtime_test::plan_of;
 
 const std::string pair = R"(
 modules: {a: {type: counter, std: 0.1, fault_at: 2}, b: {type: counter, std: 0.1}}

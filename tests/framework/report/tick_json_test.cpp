@@ -9,7 +9,7 @@
 namespace ilss {
 namespace {
 
-using test::plan_of;
+using runtime_test::plan_of;
 
 const std::string graph = R"(
 modules: {slow: {type: counter, period: 2, delay: 20 ms, std: 0.1}, next: {type: increment}}

@@ -9,7 +9,7 @@
 namespace ilss {
 namespace {
 
-using test::plan_of;
+using runtime_test::plan_of;
 
 /// The last of so many ticks of 0.1 s as text, with verdicts where there are any.
 std::string text_of(const std::string& graph, int ticks, const std::vector<Verdict>& verdicts = {},

@@ -9,7 +9,7 @@
 namespace ilss {
 namespace {
 
-using test::plan_of;
+using runtime_test::plan_of;
 
 /// Allocations in 1,000 ticks after the first 100.
 std::size_t allocations_of(const std::string& text, Folding folding) {

@@ -9,7 +9,7 @@
 namespace ilss {
 namespace {
 
-using test::plan_of;
+using runtime_test::plan_of;
 
 const std::string slow_and_fast = R"(
 modules:

@@ -12,7 +12,7 @@
 namespace ilss {
 namespace {
 
-using test::plan_of;
+using runtime_test::plan_of;
 
 const std::string dial = R"(
 modules: {dial: {type: dial}, counter: {type: counter}}
@@ -257,7 +257,7 @@ TEST(Commander, ADrivenCommandOfANestedSystemStaysDriven) {
       "modules: {inner: {type: {ilss: inner.yaml}}}\n"
       "network: inner\ncommands: {more: inner.add}\n",
       "outer.yaml", diagnostics);
-  const auto plan = build_plan(graph, folder, test::registry(), {}, diagnostics);
+  const auto plan = build_plan(graph, folder, runtime_test::registry(), {}, diagnostics);
   std::filesystem::remove_all(folder);
   ASSERT_TRUE(plan && diagnostics.empty());
   Runner runner(*plan);

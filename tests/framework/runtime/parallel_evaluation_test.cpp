@@ -12,7 +12,7 @@
 namespace ilss {
 namespace {
 
-using test::plan_of;
+using runtime_test::plan_of;
 
 /// Layers of modules that each take two of the layer above, with a selector in the middle.
 std::string layers(int width, int depth) {

@@ -13,7 +13,7 @@
 namespace ilss {
 namespace {
 
-using test::plan_of;
+using runtime_test::plan_of;
 
 std::vector<std::string> names(const Plan& plan, std::span<const std::size_t> nodes) {
   std::vector<std::string> result;

@@ -12,7 +12,7 @@
 namespace ilss {
 namespace {
 
-using test::plan_of;
+using runtime_test::plan_of;
 
 const std::string counting =
     "modules: {a: {type: counter, std: 0.1}, b: {type: increment}}\n"

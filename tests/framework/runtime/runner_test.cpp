@@ -11,7 +11,7 @@
 namespace ilss {
 namespace {
 
-using test::plan_of;
+using runtime_test::plan_of;
 
 const std::string mixed = R"(
 ilss: mixed

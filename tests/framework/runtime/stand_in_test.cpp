@@ -8,8 +8,8 @@
 namespace ilss {
 namespace {
 
-using test::Archive;
-using test::plan_of;
+using runtime_test::Archive;
+using runtime_test::plan_of;
 
 double value(const System& system, std::string_view name) {
   return system.node(system.plan().find(name).value()).output().estimate.value.at(0);
@@ -63,7 +63,7 @@ ilss: given
 modules: {a: {type: archive, lost: true}, next: {type: increment}}
 network: {serial: [a, next]}
 )");
-  OperatingPoint point{Output{Estimate(descriptor<test::Number>())}, true};
+  OperatingPoint point{Output{Estimate(descriptor<runtime_test::Number>())}, true};
   point.value.estimate.value = {41};
   System system(plan, 1, {.stand_ins = given_outputs({{plan.find("a").value(), point}})});
   EXPECT_TRUE(system.open().empty());
@@ -77,7 +77,7 @@ ilss: given
 modules: {a: {type: counter}, up: {type: increment}, next: {type: increment}}
 network: {serial: [a, up, next]}
 )");
-  OperatingPoint point{Output{Estimate(descriptor<test::Number>())}, true};
+  OperatingPoint point{Output{Estimate(descriptor<runtime_test::Number>())}, true};
   point.value.estimate.value = {7};
   System system(plan, 1, {.stand_ins = given_outputs({{plan.find("up").value(), point}})});
   for (int tick = 0; tick < 3; ++tick) system.evaluate(time_at(tick));

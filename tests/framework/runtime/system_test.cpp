@@ -8,7 +8,7 @@
 namespace ilss {
 namespace {
 
-using test::plan_of;
+using runtime_test::plan_of;
 
 const NodeState& node(const System& system, std::string_view name) {
   return system.node(system.plan().find(name).value());

@@ -10,7 +10,7 @@
 #include "framework/graph/plan.h"
 #include "framework/module/registry.h"
 
-namespace ilss::test {
+namespace ilss::runtime_test {
 
 template <typename T>
 struct Number {
@@ -271,30 +271,9 @@ class Archive final : public Module {
   std::int64_t given_ = 0;
 };
 
-inline const Registry& registry() {
-  static const Registry result = [] {
-    Registry modules;
-    modules.add<Counter>();
-    modules.add<Thrower>();
-    modules.add<Dial>();
-    modules.add<Increment>();
-    modules.add<Subtract>();
-    modules.add<Sum>();
-    modules.add<Switch>();
-    modules.add<Archive>();
-    return modules;
-  }();
-  return result;
-}
+const Registry& registry();
 
 /// The plan of a graph's text; what is wrong with it fails the test.
-inline Plan plan_of(const std::string& text) {
-  Diagnostics diagnostics;
-  const Node graph = parse_document(text, "test.yaml", diagnostics);
-  auto plan = build_plan(graph, ".", registry(), {}, diagnostics);
-  for (const Diagnostic& diagnostic : diagnostics.sorted())
-    ADD_FAILURE() << format_diagnostic(diagnostic);
-  return plan.value_or(Plan{});
-}
+Plan plan_of(const std::string& text);
 
-}  // namespace ilss::test
+}  // namespace ilss::runtime_test

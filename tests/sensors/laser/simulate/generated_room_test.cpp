@@ -16,10 +16,6 @@ namespace {
 constexpr double degree = std::numbers::pi / 180;
 constexpr std::uint64_t rooms = 200;
 
-double distance(const ScenePoint& a, const ScenePoint& b) {
-  return std::hypot(a.x - b.x, a.z - b.z);
-}
-
 double direction(const Wall& wall) {
   return std::atan2(wall.to.z - wall.from.z, wall.to.x - wall.from.x);
 }
