@@ -13,7 +13,7 @@ Regions::Regions(const Plan& plan, const std::vector<bool>& given)
     selector_of_node_[i] = selectors_.size();
     SelectorRegion& region = selectors_.emplace_back();
     for (std::size_t j = 0; j < i; ++j)
-      if (place_[j] == i) region.all.push_back(j);
+      if (is_within(j, i)) region.all.push_back(j);
     for (std::size_t k = 0; k < plan.nodes[i].inputs.size(); ++k)
       region.branches.push_back(find_branch(plan, given, i, k));
   }
@@ -49,6 +49,13 @@ std::size_t Regions::common_place(std::size_t a, std::size_t b) const {
       b = place_[b];
   }
   return a;
+}
+
+/// Whether a node is in a selector's region, or in one of a selector there.
+bool Regions::is_within(std::size_t node, std::size_t selector) const {
+  std::size_t place = place_[node];
+  while (place < selector) place = place_[place];
+  return place == selector;
 }
 
 std::vector<std::size_t> Regions::find_branch(const Plan& plan, const std::vector<bool>& given,

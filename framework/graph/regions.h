@@ -22,7 +22,8 @@ class Regions {
 
   /// What is evaluated at every tick, in order.
   std::span<const std::size_t> always() const { return always_; }
-  /// What only some branches of a selector need, in order; empty for other nodes.
+  /// What only some branches of a selector need, in order, branches of selectors in these included;
+  /// empty for other nodes.
   std::span<const std::size_t> on_demand(std::size_t selector) const;
   /// Of these, what one branch needs, in order.
   std::span<const std::size_t> branch(std::size_t selector, std::size_t input) const;
@@ -38,6 +39,7 @@ class Regions {
 
   void find_places(const Plan& plan, const std::vector<bool>& given);
   std::size_t common_place(std::size_t a, std::size_t b) const;
+  bool is_within(std::size_t node, std::size_t selector) const;
   std::vector<std::size_t> find_branch(const Plan& plan, const std::vector<bool>& given,
                                        std::size_t selector, std::size_t input) const;
 

@@ -13,7 +13,19 @@
 namespace ilss {
 namespace {
 
-/// Stands for a module that cannot be made, or not be opened.
+/// Stands for a selector that cannot be made, or not be opened.
+class BrokenSelector final : public Selector {
+ public:
+  explicit BrokenSelector(Fault fault) : fault_(std::move(fault)) {}
+  Outcome<> open() override { return fault_; }
+  Outcome<std::size_t> select(const Evaluation&, Branches&) override { return fault_; }
+  Outcome<> command(const Command&) override { return fault_; }
+
+ private:
+  Fault fault_;
+};
+
+/// The same of any other module.
 class BrokenModule final : public Module {
  public:
   explicit BrokenModule(Fault fault) : fault_(std::move(fault)) {}
@@ -25,20 +37,30 @@ class BrokenModule final : public Module {
   Fault fault_;
 };
 
-/// Makes a node's module, or what stands in for it.
-StandIn make_module(std::size_t index, const PlanNode& node, const StandIns& stand_ins) {
-  const auto broken = [](std::string reason) {
-    return StandIn{std::make_unique<BrokenModule>(Fault{FaultKind::internal, std::move(reason)})};
-  };
+std::unique_ptr<Module> broken(const PlanNode& node, Fault fault) {
+  if (node.type->selects) return std::make_unique<BrokenSelector>(std::move(fault));
+  return std::make_unique<BrokenModule>(std::move(fault));
+}
+
+/// Makes a node's module, or what stands in for it; `is_own` says which.
+StandIn make_module(std::size_t index, const PlanNode& node, const StandIns& stand_ins,
+                    bool& is_own) {
+  is_own = false;
+  std::string reason = "cannot be created";
   try {
     StandIn made = stand_ins ? stand_ins(index, node) : StandIn{};
-    if (made.module == nullptr) made.module = node.type->create(node.settings);
-    return made;
+    if (made.module == nullptr) {
+      made.module = node.type->create(node.settings);
+      is_own = true;
+    }
+    if (!node.type->selects || made.is_given || dynamic_cast<Selector*>(made.module.get()))
+      return made;
+    reason = "what stands in for a selector must be one, or be given";
   } catch (const std::exception& error) {
-    return broken(fmt::format("cannot be created: {}", error.what()));
+    reason += fmt::format(": {}", error.what());
   } catch (...) {
-    return broken("cannot be created");
   }
+  return {broken(node, {FaultKind::internal, std::move(reason)})};
 }
 
 }  // namespace
@@ -52,14 +74,18 @@ class System::BranchesOf final : public Branches {
   std::size_t size() const override { return state().feeds_.size(); }
 
   const Outcome<>& evaluate(std::size_t branch) override {
+    const NodeState& asked = producer(branch);
     for (const std::size_t i : system_.regions_.branch(selector_, branch)) {
       NodeState& node = system_.nodes_[i];
       if (node.evaluated_tick_ == system_.tick_) continue;
       node.evaluated_tick_ = system_.tick_;
-      system_.evaluate_node(i, observer_);
+      if (system_.expects_)
+        system_.evaluate_specially(i, observer_);
+      else
+        system_.evaluate_node(i, observer_);
       if (observer_ != nullptr) observer_->end_node(i);
     }
-    return producer(branch).outcome;
+    return asked.outcome;
   }
 
   const Output* output(std::size_t branch) const override {
@@ -86,7 +112,7 @@ System::System(const Plan& plan, std::uint64_t seed, SystemOptions options)
       regions_([&] {
         std::vector<bool> given(plan.nodes.size());
         for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
-          StandIn made = make_module(i, plan.nodes[i], options.stand_ins);
+          StandIn made = make_module(i, plan.nodes[i], options.stand_ins, nodes_[i].is_own_type_);
           nodes_[i].module = std::move(made.module);
           given[i] = nodes_[i].is_given_ = made.is_given;
           nodes_[i].seed_ = derive_seed(seed, plan.nodes[i].name);
@@ -107,8 +133,7 @@ void System::connect(std::size_t i) {
   NodeState& state = nodes_[i];
   state.own_.estimate = Estimate(*node.interface.output, node.frame);
   const bool has_parts = node.interface.output->samples || !node.interface.output->element.empty();
-  state.has_elements_ = !node.interface.output->element.empty();
-  if (node.type->checked && !state.is_given_)
+  if (node.type->checked && state.is_own_type_)
     state.check_ = has_parts ? NodeState::Check::parts : NodeState::Check::nothing;
   if (!state.is_given_) connect_inputs(i);
   state.evaluation_.emplace(
@@ -117,12 +142,15 @@ void System::connect(std::size_t i) {
                  .inputs = state.inputs_,
                  .correlation_unknown = node.correlation_unknown && !state.is_given_,
                  .run_seed = state.seed_});
+  state.is_plain_ = !state.selects_ && !state.reads_selectors_ &&
+                    !state.evaluation_->correlation_unknown &&
+                    node.interface.output->element.empty();
 }
 
 void System::connect_inputs(std::size_t i) {
   const PlanNode& node = plan_->nodes[i];
   NodeState& state = nodes_[i];
-  state.selects_ = state.is_special_ = node.type->selects;
+  state.selects_ = node.type->selects;
   for (const PlanInput& input : node.inputs) {
     const NodeState& producer = nodes_[input.node];
     state.feeds_.push_back({&producer, input.max_age.value_or(Duration::max())});
@@ -140,11 +168,11 @@ std::vector<OpenFault> System::open() {
     Outcome<> outcome = guarded([&] { return nodes_[i].module->open(); });
     if (outcome.is_fault()) {
       faults.push_back({i, outcome.fault()});
-      nodes_[i].module = std::make_unique<BrokenModule>(outcome.fault());
+      nodes_[i].module = broken(plan_->nodes[i], outcome.fault());
     } else if (follow_data_ && nodes_[i].feeds_.empty()) {
       (void)guarded([&]() -> Outcome<> {
         nodes_[i].has_data_clock_ = nodes_[i].module->next_time().has_value();
-        nodes_[i].is_special_ |= nodes_[i].has_data_clock_;
+        nodes_[i].is_plain_ &= !nodes_[i].has_data_clock_;
         return {};
       });
     }
@@ -189,22 +217,20 @@ void System::evaluate(Time time) {
   bool any_fault = false;
   bool any_stale = false;
   Acquisition acquired{time_, state.feeds_.empty() ? time_ : Time::min()};
+  const Output* const* next_input = state.inputs_.data();
   for (const NodeState::Feed& feed : state.feeds_) {
     const NodeState& producer = *feed.producer;
-    const Output& output = producer.output();
+    const Output& output = **next_input++;
     const Acquisition& input = output.acquired;
     any_fault |= producer.outcome.is_fault();
     any_fresh |= producer.fresh;
     has_all_values &= producer.has_value;
-    any_stale |= time_ - input.oldest > feed.max_age;
+    any_stale |= age_of(input.oldest, time_) > feed.max_age;
     correlation_unknown |= output.estimate.correlation_unknown;
     acquired.include(input);
   }
   if (!any_fault && any_fresh && has_all_values && !any_stale) {
     state.own_.acquired = acquired;
-    if (state.reads_selectors_) [[unlikely]]
-      for (std::size_t k = 0; k < state.feeds_.size(); ++k)
-        state.inputs_[k] = &state.feeds_[k].producer->output();
     return true;
   }
   if (any_fault)
@@ -231,7 +257,7 @@ void System::inherit_fault(std::size_t i) {
 void System::report_stale(std::size_t i) {
   NodeState& state = nodes_[i];
   for (const PlanInput& input : plan_->nodes[i].inputs) {
-    const Duration age = time_ - nodes_[input.node].output().acquired.oldest;
+    const Duration age = age_of(nodes_[input.node].output().acquired.oldest, time_);
     if (!input.max_age || age <= *input.max_age) continue;
     state.outcome =
         Fault{FaultKind::stale,
@@ -296,37 +322,47 @@ void System::evaluate_node(std::size_t i, NodeObserver* observer) {
   NodeState& state = nodes_[i];
   state.fresh = false;
   state.origin.reset();
-  if (state.is_special_ || expects_) [[unlikely]]
+  if (!state.is_plain_) [[unlikely]]
     return evaluate_specially(i, observer);
   const Acquisition held = state.own_.acquired;
-  bool may_be_correlated = state.has_elements_ || state.own_.estimate.correlation_unknown ||
-                           state.evaluation_->correlation_unknown;
-  if (!take_inputs(i, may_be_correlated)) return;
+  bool correlation_unknown = state.own_.estimate.correlation_unknown;
+  if (!take_inputs(i, correlation_unknown)) return;
   call_module(i, [&] {
-    if (may_be_correlated) [[unlikely]]
+    if (correlation_unknown) [[unlikely]]
       return carry(i, [&](const Evaluation& e) { return state.module->evaluate(e, state.own_); });
     return state.module->evaluate(evaluation(i), state.own_);
   });
   if (state.outcome.is_pending()) state.own_.acquired = held;
 }
 
-/// Nodes that do more than take inputs and evaluate, and predictions.
+/// Nodes that do more than take inputs and evaluate, and all of them in a prediction.
 void System::evaluate_specially(std::size_t i, NodeObserver* observer) {
   NodeState& state = nodes_[i];
+  state.fresh = false;
+  state.origin.reset();
   if (state.selects_) return select(i, observer);
   const Acquisition held = state.own_.acquired;
+  if (state.reads_selectors_) find_inputs(i);
   bool correlation_unknown = false;
   if (!take_inputs(i, correlation_unknown)) return;
-  if (state.has_data_clock_ && awaits_data(i))
+  if (state.has_data_clock_ && !expects_ && awaits_data(i)) {
     state.outcome = Pending{};
-  else
+  } else {
     call_module(i, [&] {
       return carry(i, [&](const Evaluation& e) {
         return expects_ ? state.module->expect(e, nullptr, state.own_)
                         : state.module->evaluate(e, state.own_);
       });
     });
+  }
   if (state.outcome.is_pending()) state.own_.acquired = held;
+}
+
+/// Where the outputs of selectors are, now.
+void System::find_inputs(std::size_t i) {
+  NodeState& state = nodes_[i];
+  for (std::size_t k = 0; k < state.feeds_.size(); ++k)
+    state.inputs_[k] = &state.feeds_[k].producer->output();
 }
 
 /// Whether the source's next data are of a later time than this tick's.
@@ -359,8 +395,7 @@ void System::select(std::size_t i, NodeObserver* observer) {
     nodes_[k].fresh = false;
     nodes_[k].outcome = Pending{};
   }
-  for (std::size_t k = 0; k < state.feeds_.size(); ++k)
-    state.inputs_[k] = &state.feeds_[k].producer->output();
+  find_inputs(i);
   BranchesOf branches(*this, i, observer);
   std::optional<std::size_t> chosen;
   state.outcome = guarded([&]() -> Outcome<> {
@@ -378,7 +413,12 @@ void System::select(std::size_t i, NodeObserver* observer) {
     state.has_value = false;
     return;
   }
-  if (!chosen) return;
+  if (!chosen) {
+    // What it holds is its branch's own, which has another value by now where it was evaluated.
+    const NodeState& held = *state.feeds_[state.selected].producer;
+    state.has_value = state.has_value && held.has_value && !held.fresh;
+    return;
+  }
   state.selected = *chosen;
   const NodeState& branch = *state.feeds_[*chosen].producer;
   state.current_ = branch.current_;
@@ -419,7 +459,7 @@ void System::fold(std::size_t i) {
 void System::expect() {
   start_tick(time_);
   expects_ = true;
-  for (const std::size_t i : regions_.always()) evaluate_node(i);
+  for (const std::size_t i : regions_.always()) evaluate_specially(i, nullptr);
 }
 
 Outcome<> System::command(std::size_t node, const Command& command) {

@@ -54,9 +54,9 @@ struct NodeState {
   enum class Check : std::uint8_t { nothing, parts, all };
   Check check_ = Check::all;  ///< of what the module gives: estimates may be checked as they
                               ///< are made, parts are samples and elements
-  bool has_elements_ = false;
   bool is_given_ = false;
-  bool is_special_ = false;  ///< a selector, or follows a clock of its data
+  bool is_own_type_ = true;  ///< nothing stands in for it
+  bool is_plain_ = true;     ///< takes inputs and evaluates, nothing else
   bool selects_ = false;
   bool reads_selectors_ = false;     ///< what feeds it may be another's output in every tick
   bool has_data_clock_ = false;      ///< and follows it
@@ -107,6 +107,10 @@ class System {
   Time time() const { return time_; }  ///< of the last tick
   /// Whether a node's output comes from outside.
   bool is_given(std::size_t node) const { return nodes_[node].is_given_; }
+  /// Whether no selector asked for a node in this tick: what it has is of an earlier one.
+  bool is_left_out(std::size_t node) const {
+    return !regions_.is_always(node) && nodes_[node].evaluated_tick_ != tick_;
+  }
 
   /// Opens what the modules read, once. One that cannot be opened, or throws, gives that fault at
   /// every tick. The first tick opens what nobody has opened.
@@ -156,6 +160,7 @@ class System {
   void connect_inputs(std::size_t i);
   void start_tick(Time time);
   bool take_inputs(std::size_t i, bool& correlation_unknown);
+  void find_inputs(std::size_t i);
   void inherit_fault(std::size_t i);
   void report_stale(std::size_t i);
   const Evaluation& evaluation(std::size_t i);

@@ -39,6 +39,16 @@ inline Duration duration_of(double seconds) {
 /// The moment at so many seconds.
 inline Time time_at(double seconds) { return Time(duration_of(seconds)); }
 
+/// How old is at `now` what is from `then`; what is beyond all durations is the longest there is.
+constexpr Duration age_of(Time then, Time now) {
+  Duration::rep age = 0;
+  const bool is_beyond =
+      __builtin_sub_overflow(now.time_since_epoch().count(), then.time_since_epoch().count(), &age);
+  if (is_beyond) [[unlikely]]
+    return then < now ? Duration::max() : Duration::min();
+  return Duration(age);
+}
+
 /// When the data in an output were acquired: the oldest and the newest of them.
 struct Acquisition {
   Time oldest = {};

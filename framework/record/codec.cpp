@@ -409,6 +409,16 @@ Outcome<Codec> Codec::read_header(std::span<const std::byte> header, const FindP
 }
 
 void Codec::encode(const Outcome<>& outcome, const Output& output, Bytes& bytes) const {
+  const std::size_t begin = bytes.size();
+  try {
+    write(outcome, output, bytes);
+  } catch (...) {
+    bytes.resize(begin);  // nothing half-written
+    throw;
+  }
+}
+
+void Codec::write(const Outcome<>& outcome, const Output& output, Bytes& bytes) const {
   Writer writer(bytes);
   if (outcome.is_fault()) {
     writer.choice(OutcomeKind::fault);

@@ -65,6 +65,7 @@ class Codec {
 
   void add(const PayloadDescriptor& payload);
   std::uint32_t place_of(const PayloadDescriptor& payload) const;
+  void write(const Outcome<>& outcome, const Output& output, Bytes& bytes) const;
   void write_output(const Output& output, Writer& writer) const;
   void write_estimate(const Estimate& estimate, std::string_view frame,
                       std::span<const Source> sources, Writer& writer) const;

@@ -45,7 +45,8 @@ std::vector<std::string> split(std::string_view row) {
   for (;;) {
     std::string cell;
     while (!row.empty() && (row.front() == ' ' || row.front() == '\t')) row.remove_prefix(1);
-    if (!row.empty() && row.front() == '"') {
+    const bool is_quoted = !row.empty() && row.front() == '"';
+    if (is_quoted) {
       row.remove_prefix(1);
       for (; !row.empty() && (row.front() != '"' || row.substr(0, 2) == "\"\"");) {
         const std::size_t taken = row.front() == '"' ? 2 : 1;
@@ -54,7 +55,7 @@ std::vector<std::string> split(std::string_view row) {
       }
     }
     const std::size_t comma = row.find(',');
-    if (cell.empty()) cell = without_blanks(row.substr(0, comma));
+    if (!is_quoted) cell = without_blanks(row.substr(0, comma));
     cells.push_back(std::move(cell));
     if (comma == std::string_view::npos) return cells;
     row.remove_prefix(comma + 1);
@@ -374,9 +375,15 @@ std::string_view text_of(const Json& json) {
                           : std::string_view();
 }
 
+/// For a message. What is nested is named only: it may be as deep as the file is long.
+std::string shown_json(const Json& json) {
+  return json.is_structured() ? fmt::format("an {}", json.type_name())
+                              : shown(json.dump(-1, ' ', true));
+}
+
 Outcome<double> number_of(const Json& json, std::string_view what) {
   if (!json.is_number() || !std::isfinite(json.get<double>()))
-    return bad(fmt::format("{}: expected a number, got {}", what, shown(json.dump(-1, ' ', true))));
+    return bad(fmt::format("{}: expected a number, got {}", what, shown_json(json)));
   return json.get<double>();
 }
 
@@ -418,6 +425,8 @@ Outcome<std::vector<RecordedSource>> sources_of(const Json& json) {
                       sources.size() + 1));
     sources.push_back({std::string(text_of(entry["owner"])), *column,
                        persistent ? persistent_tick : tick.get<std::int64_t>()});
+    if (std::find(sources.begin(), sources.end() - 1, sources.back()) != sources.end() - 1)
+      return bad(fmt::format("source {}: the same as one before it", sources.size()));
   }
   return sources;
 }
@@ -508,8 +517,7 @@ Outcome<std::optional<RecordedSet>> parse_feature_json(std::string_view line,
     return bad(fmt::format("expected a tick's JSON object on a line, got '{}'", shown(line)));
   const Json& tick = member(json, "tick");
   if (!tick.is_number_integer())
-    return bad(
-        fmt::format("tick: expected a whole number, got {}", shown(tick.dump(-1, ' ', true))));
+    return bad(fmt::format("tick: expected a whole number, got {}", shown_json(tick)));
   const auto time = number_of(member(json, "time"), "time");
   if (!time) return time.fault();
   const auto acquired =

@@ -20,6 +20,8 @@ struct RecordedSource {
   std::string owner;
   std::uint32_t column = 0;
   std::int64_t tick = 0;  ///< or `persistent_tick`
+
+  bool operator==(const RecordedSource&) const = default;
 };
 
 /// A feature as a file tells it. `factor` is M x K with covariance = factor factorᵀ. Where the file

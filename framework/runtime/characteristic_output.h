@@ -37,7 +37,7 @@ struct CharacteristicOutput {
   }
   /// The time since the oldest of these data were acquired.
   std::optional<Duration> age() const {
-    return latest == nullptr ? std::nullopt : std::optional(time - latest->acquired.oldest);
+    return latest == nullptr ? std::nullopt : std::optional(age_of(latest->acquired.oldest, time));
   }
 };
 

@@ -130,10 +130,11 @@ std::span<const VerdictReport> Run::judge(OutputRange outputs) {
   return judge_->judge();
 }
 
-/// Ends the run where a module has such a fault.
+/// Ends the run where a module has such a fault; one in a branch is for its selector to see.
 bool Run::ends_with(FaultKind kind, RunEnd reason) {
   if (!runner_.has_fault()) return false;
   for (std::size_t i = 0; i < view_->size(); ++i) {
+    if (!system().regions().is_always(i)) continue;
     const CharacteristicOutput output = (*view_)[i];
     if (!output.outcome.is_fault() || output.outcome.fault().kind != kind) continue;
     ending_ = Ending{reason, output.origin, output.outcome.fault()};

@@ -8,6 +8,7 @@
 
 #include "framework/graph/guarded.h"
 #include "framework/module/carried_correlation.h"
+#include "framework/module/contract.h"
 
 namespace ilss {
 namespace {
@@ -136,37 +137,35 @@ void Perturbation::refresh() {
 
 /// Marks what the targets follow from, as selectors have selected.
 void Perturbation::find_needed() {
-  for (Step& step : steps_) step.needed = false;
+  for (Step& step : steps_) {
+    step.needed = false;
+    step.acts = system_.is_left_out(step.node) ? Step::Role::moved : step.role;
+  }
   for (const std::size_t target : targets_) steps_[target].needed = true;
   for (std::size_t s = steps_.size(); s-- > 0;) {
     Step& step = steps_[s];
     if (!step.needed) continue;
-    if (step.role == Step::Role::selected) {
-      step.selected = system_.node(step.node).selected;
-      steps_[step.producers[step.selected]].needed = true;
-    } else {
-      for (const std::size_t producer : step.producers) steps_[producer].needed = true;
-    }
+    step.selected = system_.node(step.node).selected;
+    for (const std::size_t producer : step.feeds()) steps_[producer].needed = true;
   }
 }
 
 /// Whether there is an output to begin with, and all that it is redone from. One that is held from
 /// an earlier tick is as good as one of this tick.
 bool Perturbation::is_there(const Step& step) const {
-  if (!system_.node(step.node).has_value) return false;
-  if (step.role == Step::Role::selected) return steps_[step.producers[step.selected]].there;
-  return std::all_of(step.producers.begin(), step.producers.end(),
-                     [this](std::size_t p) { return steps_[p].there; });
+  const auto feeds = step.feeds();
+  return system_.node(step.node).has_value &&
+         std::all_of(feeds.begin(), feeds.end(), [this](std::size_t p) { return steps_[p].there; });
 }
 
 /// Adds the sources that move a step, or its parameters.
 void Perturbation::collect(const Step& step) {
-  if (step.role == Step::Role::selected) return;
-  const Lineage& lineage = step.role == Step::Role::moved
+  if (step.acts == Step::Role::selected) return;
+  const Lineage& lineage = step.acts == Step::Role::moved
                                ? system_.node(step.node).output().estimate.lineage
                                : system_.plan().nodes[step.node].parameters.lineage;
   for (const Source& source : lineage.sources())
-    if (step.role != Step::Role::simulated || source.persistent()) sources_.push_back(source);
+    if (step.acts != Step::Role::simulated || source.persistent()) sources_.push_back(source);
 }
 
 void Perturbation::find_places(const Lineage& lineage, std::vector<std::size_t>& places) const {
@@ -189,27 +188,27 @@ void Perturbation::prepare(Step& step) {
   step.shown = &state.output();
   step.movable = false;
   if (!step.there) return;
-  if (step.role == Step::Role::selected) {
+  if (step.acts == Step::Role::selected) {
     const Step& selected = steps_[step.producers[step.selected]];
     step.shown = selected.shown;
     step.movable = selected.movable;
     return;
   }
   find_places(
-      step.role == Step::Role::moved ? state.output().estimate.lineage : node.parameters.lineage,
+      step.acts == Step::Role::moved ? state.output().estimate.lineage : node.parameters.lineage,
       step.places);
-  step.movable = step.role == Step::Role::simulated || !step.places.empty();
-  for (const std::size_t producer : step.producers) step.movable |= steps_[producer].movable;
+  step.movable = step.acts == Step::Role::simulated || !step.places.empty();
+  for (const std::size_t producer : step.feeds()) step.movable |= steps_[producer].movable;
   if (!step.movable && (with_lineages_ || state.output().estimate.lineage.empty())) return;
   step.shown = &step.output;
   step.output = state.output();
   if (!with_lineages_) step.output.estimate.lineage.reset(step.output.estimate.dimension());
-  if (!step.movable || step.role == Step::Role::moved) return;
+  if (!step.movable || step.acts == Step::Role::moved) return;
   if (step.module == nullptr) {
     step.module = node.type->create(node.settings);
     step.parameters = node.parameters;
     // A simulated sensor keeps its parameters' errors, to state them.
-    if (!with_lineages_ && step.role == Step::Role::redone)
+    if (!with_lineages_ && step.acts == Step::Role::redone)
       step.parameters.lineage.reset(step.parameters.dimension());
   }
   step.inputs.clear();
@@ -226,16 +225,16 @@ void Perturbation::apply(std::span<const double> errors, std::uint64_t seed) {
   const auto is_changed = [this](std::size_t k) { return k != no_source && changed_[k] != 0; };
   for (Step& step : steps_) {
     if (!step.movable) continue;
-    if (step.role == Step::Role::selected) {
+    if (step.acts == Step::Role::selected) {
       pass_on(step);
       continue;
     }
-    step.changed = (draws_anew && step.role == Step::Role::simulated) ||
+    step.changed = (draws_anew && step.acts == Step::Role::simulated) ||
                    std::any_of(step.places.begin(), step.places.end(), is_changed) ||
-                   std::any_of(step.producers.begin(), step.producers.end(),
+                   std::any_of(step.feeds().begin(), step.feeds().end(),
                                [this](std::size_t p) { return steps_[p].changed; });
     if (!step.changed) continue;
-    if (step.role == Step::Role::moved)
+    if (step.acts == Step::Role::moved)
       move(system_.node(step.node).output().estimate, step.places, errors_,
            step.output.estimate.value);
     else
@@ -265,7 +264,7 @@ void Perturbation::redo(Step& step, std::uint64_t seed) {
   }
   if (step.failed) return;
   const PlanNode& node = system_.plan().nodes[step.node];
-  if (step.role == Step::Role::redone)
+  if (step.acts == Step::Role::redone)
     move(node.parameters, step.places, errors_, step.parameters.value);
   if (node.type->kind != ModuleKind::function) step.module->reset();
   const Evaluation evaluation{.tick = 0,
@@ -280,10 +279,13 @@ void Perturbation::redo(Step& step, std::uint64_t seed) {
     return carry_correlation(*node.type, evaluation, step.output,
                              [&] { return step.module->evaluate(evaluation, step.output); });
   });
+  if (outcome.has_output() && !node.type->checked &&
+      find_breach(step.output, *node.interface.output) != Breach::none)
+    outcome = describe_breach(step.output, *node.interface.output);
   step.failed = !outcome.has_output();
   if (outcome.is_fault()) step.fault = outcome.fault();
   if (step.failed) return;
-  if (step.role == Step::Role::simulated) move_simulated(step);
+  if (step.acts == Step::Role::simulated) move_simulated(step);
   if (step.output.estimate.labels.empty()) return;
   step.changed_label |=
       step.output.estimate.labels != system_.node(step.node).output().estimate.labels;
@@ -313,7 +315,7 @@ void Perturbation::offset(std::size_t target, std::span<double> out) const {
 Fault Perturbation::fault(std::size_t target) const {
   const Step* from = &target_step(target);
   // One without an output to begin with may be so because of what feeds it.
-  while (!from->there && !from->producers.empty() && from->role != Step::Role::selected) {
+  while (!from->there && !from->producers.empty() && from->acts != Step::Role::selected) {
     const auto missing = std::find_if(from->producers.begin(), from->producers.end(),
                                       [this](std::size_t p) { return !steps_[p].there; });
     if (missing == from->producers.end()) break;

@@ -66,10 +66,20 @@ class Perturbation {
     std::size_t node = 0;
     std::vector<std::size_t> producers = {};
 
+    /// Whether the system has an output of it to begin with, that the targets follow from.
+    bool is_there() const { return there; }
+    /// Those of the producers that its output follows from now.
+    std::span<const std::size_t> feeds() const {
+      if (acts == Role::selected) return {&producers[selected], 1};
+      return acts == role ? std::span(producers) : std::span<const std::size_t>();
+    }
+
    private:
     friend class Perturbation;
     enum class Role { moved, redone, simulated, selected };
     Role role = Role::moved;
+    Role acts =
+        Role::moved;  ///< the same, but moved where the system holds an earlier tick's value
     std::unique_ptr<Module> module = nullptr;
     const Output* shown = nullptr;  ///< `output`, or the system's where no error reaches it
     Output output = {};

@@ -44,7 +44,8 @@ class Sizes {
     sizes_.assign(steps.size() * units_.size(), 0.0);
     for (std::size_t s = 0; s < steps.size(); ++s) {
       double* const own = sizes_.data() + s * units_.size();
-      for (const std::size_t producer : steps[s].producers)
+      if (!steps[s].is_there()) continue;
+      for (const std::size_t producer : steps[s].feeds())
         for (std::size_t u = 0; u < units_.size(); ++u)
           own[u] = std::max(own[u], sizes_[producer * units_.size() + u]);
       std::size_t at = 0;

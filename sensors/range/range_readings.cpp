@@ -71,12 +71,16 @@ void RangeReadings::reset() {
   skipped_ = {};
 }
 
-/// That of the next scan's last reading, where a column tells times.
+/// That of the next scan's last reading that has one, where a column tells times; of a scan without
+/// any, that of the next reading that has one.
 std::optional<Time> RangeReadings::next_time() {
   if (!columns_.time || next_ >= recording_->rows()) return std::nullopt;
-  const auto time = recording_->number(end_of_scan() - 1, *columns_.time);
-  if (!time) return std::nullopt;
-  return time_at(*time);
+  const std::size_t end = end_of_scan();
+  for (std::size_t row = end; row-- > next_;)
+    if (const auto time = recording_->number(row, *columns_.time)) return time_at(*time);
+  for (std::size_t row = end; row < recording_->rows(); ++row)
+    if (const auto time = recording_->number(row, *columns_.time)) return time_at(*time);
+  return std::nullopt;
 }
 
 Outcome<> RangeReadings::open() {

@@ -121,8 +121,18 @@ Outcome<std::optional<LaserRecord>> LaserLog::read_next() {
 
 std::optional<Time> LaserLog::next_time() {
   if (!ahead_) ahead_ = read_next();
-  if (!*ahead_ || !**ahead_) return std::nullopt;
+  if (!*ahead_) return time_of_bad_scan();
+  if (!**ahead_) return std::nullopt;
   return time_at((**ahead_)->time);
+}
+
+/// A scan that cannot be read has its turn with the one before it, or with the first that can be.
+std::optional<Time> LaserLog::time_of_bad_scan() const {
+  if (std::isfinite(time_)) return time_at(time_);
+  for (std::size_t line = next_; line < log_->lines(); ++line)
+    if (const auto record = parse(log_->line(line)); record && *record)
+      return time_at((*record)->time);
+  return std::nullopt;
 }
 
 Outcome<> LaserLog::evaluate(const Evaluation& evaluation, Output& output) {

@@ -77,6 +77,7 @@ class LaserLog final : public Module {
   void reset() override;
 
  private:
+  std::optional<Time> time_of_bad_scan() const;
   Outcome<std::optional<LaserRecord>> parse(std::string_view line) const;
   Outcome<> check_continuity(const LaserRecord& record) const;
   Outcome<std::optional<LaserRecord>> read_next();
