@@ -1,7 +1,8 @@
 // Columns of samples by their names.
+#include "framework/module/column_numbers.h"
+
 #include <gtest/gtest.h>
 
-#include "framework/module/column_numbers.h"
 #include "framework/module/sample_rows.h"
 
 namespace ilss {

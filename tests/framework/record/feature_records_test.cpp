@@ -101,6 +101,9 @@ TEST(FeatureRows, FramesInQuotesMayHoldCommas) {
 
 TEST(FeatureRows, SayWhatIsWrong) {
   EXPECT_EQ(row_message("7,1,1,robot,corner,real,2,-3,,1,,1,,"), "fine");
+  EXPECT_EQ(row_message(R"("7","1","1","robot","corner","real","2","-3","","1","","1","","")"),
+            "fine")
+      << "cells in quotes, empty ones, too";
   EXPECT_EQ(row_message("7,1,1,robot,corner,real,2,-3,,1,,1,"),
             "the row has 13 cells; expected 14, as the header has");
   EXPECT_EQ(row_message("x,1,1,robot,corner,real,2,-3,,1,,1,,"),
@@ -193,6 +196,14 @@ TEST(FeatureJson, SaysWhatIsWrong) {
             "feature 1: covariance: expected 2 rows of 2");
   EXPECT_EQ(line_message(json_line(with(json_corner, "[0.02,0.09]", "[0.03,0.09]"))),
             "feature 1: the covariance is not symmetric: 0.02 and 0.03");
+}
+
+TEST(FeatureJson, NestedAsDeepAsALineIsLongIsAnErrorOnly) {
+  const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
+  EXPECT_EQ(line_message(R"({"tick":)" + deep + R"(,"time":0})"),
+            "tick: expected a whole number, got an array");
+  EXPECT_EQ(line_message(R"({"tick":1,"time":)" + deep + "}"),
+            "time: expected a number, got an array");
 }
 
 }  // namespace

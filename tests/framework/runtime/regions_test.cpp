@@ -89,6 +89,44 @@ network: {serial: [{combine: [{serial: [{combine: [a, b]}, inner]}, c]}, outer]}
   EXPECT_EQ(value(system, "c"), 2);
 }
 
+TEST(Regions, WhatAnInnerSelectorHasIsOfThisTickOrPending) {
+  const Plan plan = plan_of(R"(
+ilss: nested
+modules:
+  a: {type: counter}
+  b: {type: counter}
+  c: {type: counter}
+  inner: {type: switch, stuck_at: 0}
+  outer: {type: switch}
+network: {serial: [{combine: [{serial: [{combine: [a, b]}, inner]}, c]}, outer]}
+)");
+  System system(plan, 1);
+  const NodeState& a = system.node(plan.find("a").value());
+  system.evaluate(time_at(0));
+  EXPECT_TRUE(a.outcome.has_output());
+  system.evaluate(time_at(1));
+  EXPECT_TRUE(a.outcome.is_pending()) << "outer has c evaluated in this tick";
+  EXPECT_FALSE(a.fresh);
+}
+
+TEST(Selector, ThatIsNotMadeOrIsNoneIsAtFault) {
+  const Plan plan = plan_of(two_branches);
+  for (const bool throws : {true, false}) {
+    System system(plan, 1, {.stand_ins = [&](std::size_t, const PlanNode& node) -> StandIn {
+                    if (node.name != "use") return {};
+                    if (throws) throw std::runtime_error("no");
+                    return {plan.nodes[plan.find("a").value()].type->create(
+                        plan.nodes[plan.find("a").value()].settings)};
+                  }});
+    system.evaluate(time_at(0));
+    const Outcome<>& outcome = system.node(plan.find("use").value()).outcome;
+    ASSERT_TRUE(outcome.is_fault());
+    EXPECT_EQ(outcome.fault().message,
+              throws ? "cannot be created: no"
+                     : "what stands in for a selector must be one, or be given");
+  }
+}
+
 TEST(Regions, WhatOnlyFeedsAGivenOutputIsLeftOut) {
   const Plan plan = plan_of(two_branches);
   std::vector<bool> given(plan.nodes.size(), false);

@@ -1,6 +1,8 @@
 // Modules that open and close, and what stands in for them.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "framework/graph/given_outputs.h"
 #include "framework/graph/system.h"
 #include "tests/framework/runtime/test_modules.h"
@@ -112,6 +114,32 @@ network: {serial: [a, up]}
   System system(plan, 1, {.stand_ins = doubled});
   system.evaluate(time_at(0));
   EXPECT_EQ(value(system, "up"), 4);
+}
+
+/// Gives a number that is none.
+class Spoiled final : public Module {
+ public:
+  Outcome<> evaluate(const Evaluation&, Output& output) override {
+    output.estimate.value[0] = std::numeric_limits<double>::quiet_NaN();
+    return {};
+  }
+};
+
+TEST(StandIn, IsCheckedAlsoWhereTheModuleInItNeedNotBe) {
+  const Plan plan = plan_of(R"(
+ilss: spoiled
+modules: {a: {type: counter}, up: {type: increment}}
+network: {serial: [a, up]}
+)");
+  ASSERT_TRUE(plan.nodes[plan.find("up").value()].type->checked);
+  System system(plan, 1, {.stand_ins = [](std::size_t, const PlanNode& node) -> StandIn {
+                  if (node.name != "up") return {};
+                  return {std::make_unique<Spoiled>()};
+                }});
+  system.evaluate(time_at(0));
+  const Outcome<>& outcome = system.node(plan.find("up").value()).outcome;
+  ASSERT_TRUE(outcome.is_fault());
+  EXPECT_EQ(outcome.fault().kind, FaultKind::not_finite);
 }
 
 TEST(FollowData, TicksComeAtTheSourcesTimesAndWhatIsNotDueIsPending) {

@@ -84,6 +84,18 @@ TEST_F(RangeReadingsTest, ReadsItsColumnsInTheirUnits) {
   EXPECT_NEAR(readings[1].bearing, 102 * degree, 1e-12);
 }
 
+TEST_F(RangeReadingsTest, ARowWithoutATimeDoesNotEndTheTimes) {
+  write("t,angle,range\n0.5,0.1,1\n,0.2,1\n,0.1,1\n,0.2,1\n0.9,0.1,1\n");
+  RangeReadings module(options("std_constant: 1 cm, time_column: t, readings: 2"));
+  ASSERT_TRUE(module.open());
+  std::vector<double> times;
+  for (std::optional<Time> time; (time = module.next_time()) && times.size() < 9;) {
+    times.push_back(seconds(*time));
+    next(module, tick());
+  }
+  EXPECT_EQ(times, (std::vector<double>{0.5, 0.9, 0.9}));
+}
+
 TEST_F(RangeReadingsTest, TakesTheTicksTimeWithoutATimeColumn) {
   write("angle,range\n0.1,1\n0.2,1\n");
   RangeReadings module(options());

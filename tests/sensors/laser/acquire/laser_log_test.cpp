@@ -53,6 +53,23 @@ TEST(LaserLog, GivesAScanATickAndThenEnds) {
   EXPECT_TRUE(run(log, tick_of()).outcome);
 }
 
+TEST(LaserLog, ABadScanHasItsTurnWithTheOneBeforeItOrTheFirstThatCanBeRead) {
+  const std::string bad = "FLASER 3 1 x 3 0 0 0 0 0 0 9 h 9\n";
+  LaserLog log = log_of(written("laser_log_bad_times.log", bad + two_scans + bad));
+  ASSERT_TRUE(log.open());
+  std::vector<std::string> outcomes;
+  std::vector<double> times;
+  for (int i = 0; i < 4; ++i) {
+    const auto time = log.next_time();
+    ASSERT_TRUE(time) << i;
+    times.push_back(seconds(*time));
+    outcomes.push_back(fault_of(run(log, tick_of(i)).outcome));
+  }
+  EXPECT_EQ(times, (std::vector<double>{1, 1, 2, 2}));
+  EXPECT_EQ(outcomes, (std::vector<std::string>{"bad_data", "output", "output", "bad_data"}));
+  EXPECT_FALSE(log.next_time());
+}
+
 TEST(LaserLog, ScansCarryTheMountWithItsSources) {
   LaserLog log = log_of(written("laser_log_mount.log", two_scans));
   Tick tick = tick_of();
