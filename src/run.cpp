@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <charconv>
@@ -194,6 +195,25 @@ void check_file(const std::string& option, const std::string& path, const std::s
   if (is_new) std::filesystem::remove(path, ignored);
 }
 
+/// Before a run: each of its files can be written, and no two are one.
+void check_files(const RunArguments& arguments) {
+  const std::array<std::pair<const char*, const std::string*>, 3> files{
+      {{"--profile", &arguments.profile},
+       {"--picture", &arguments.picture},
+       {"--features", &arguments.features}}};
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (files[i].second->empty()) continue;
+    check_file(files[i].first, *files[i].second, arguments.graph);
+    std::error_code ignored;
+    for (std::size_t j = 0; j < i; ++j)
+      if (!files[j].second->empty() &&
+          std::filesystem::weakly_canonical(*files[i].second, ignored) ==
+              std::filesystem::weakly_canonical(*files[j].second, ignored))
+        fail(exit_bad_input, fmt::format("{}: '{}' is the file of {}, too", files[i].first,
+                                         *files[i].second, files[j].first));
+  }
+}
+
 /// Accepts `every`, `off`, or one in how many.
 OptionCheck verdict_rate() {
   return [](const std::string& text) -> std::string {
@@ -271,12 +291,10 @@ int run(const RunArguments& arguments, Session& session) {
   check_picture_scale(arguments.picture_scale);
   const Plan plan = session.read_graph(arguments.graph, arguments.sets);
   RunOptions options = read_options(arguments, plan);
-  if (!arguments.profile.empty()) check_file("--profile", arguments.profile, arguments.graph);
-  if (!arguments.picture.empty()) check_file("--picture", arguments.picture, arguments.graph);
+  check_files(arguments);
   std::optional<OutputFile> feature_file;
   std::optional<FeatureFile> features;
   if (!arguments.features.empty()) {
-    check_file("--features", arguments.features, arguments.graph);
     const PayloadDescriptor& set = set_of(plan);
     const FeatureFile::Format format = feature_format(arguments.features, set);
     features.emplace(feature_file.emplace(arguments.features).stream(), format, set);

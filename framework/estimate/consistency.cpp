@@ -81,7 +81,7 @@ NormalizedError normalized(const Eigen::Ref<const Eigen::VectorXd>& error,
 /// than as P_a + P_b - P_ab - P_ba: errors that they share cancel exactly there, and leave no
 /// rounding that would pass for variance.
 NormalizedError flat_nis(const Estimate& a, const Estimate& b) {
-  constexpr int most = Fields::capacity;
+  constexpr std::size_t most = Fields::capacity;
   const auto m = static_cast<Eigen::Index>(a.dimension());
   std::array<double, most> error;
   difference(*a.type, a.value, b.value, std::span(error).first(a.dimension()));

@@ -30,7 +30,8 @@ Quaternion<T> quaternion_of(const RotationVector<T>& r) {
   using std::sin;
   using std::sqrt;
   const T square = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
-  T w, factor;
+  T w{};
+  T factor{};
   if (scalar_value(square) < 0.05) {
     const T q = square / 4.0;
     w = 1.0 - q / 2.0 * (1.0 - q / 12.0 * (1.0 - q / 30.0 * (1.0 - q / 56.0 * (1.0 - q / 90.0))));

@@ -415,8 +415,12 @@ Outcome<std::vector<RecordedSource>> sources_of(const Json& json) {
   std::vector<RecordedSource> sources;
   for (const Json& entry : json) {
     const auto column = index_of_json(member(entry, "column"));
-    const bool persistent = text_of(member(entry, "kind")) == "systematic";
+    const std::string_view kind = text_of(member(entry, "kind"));
+    const bool persistent = kind == "systematic";
     const Json& tick = member(entry, "tick");
+    if (!persistent && kind != "random")
+      return bad(fmt::format("source {}: unknown kind '{}'; expected random or systematic",
+                             sources.size() + 1, shown(kind)));
     if (!member(entry, "owner").is_string() || !column ||
         !(persistent || (tick.is_number_integer() && tick.get<std::int64_t>() >= 0)))
       return bad(

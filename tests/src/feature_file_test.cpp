@@ -243,6 +243,16 @@ TEST(FeatureFile, IsLeftAsItIsWhereThereIsNothingToWrite) {
   std::filesystem::remove(file);
 }
 
+TEST(FeatureFile, IsNotTheFileOfAnotherOption) {
+  const auto file = test_file("one.csv");
+  const Heard heard = call_command("run graphs/lep_lines.yaml --quiet --ticks 1 --features '" +
+                                   file.string() + "' --profile '" + file.string() + "'");
+  EXPECT_EQ(heard.status, 2);
+  EXPECT_EQ(heard.errors,
+            "ilss: --features: '" + file.string() + "' is the file of --profile, too\n");
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
 TEST(FeatureFile, OfARunThatCannotGoOnIsNotWritten) {
   const auto graph = graph_file("graph.yaml", log_graph("/no/such/file.csv", "robot"));
   const auto file = test_file("features.csv");

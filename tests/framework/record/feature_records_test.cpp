@@ -198,6 +198,18 @@ TEST(FeatureJson, SaysWhatIsWrong) {
             "feature 1: the covariance is not symmetric: 0.02 and 0.03");
 }
 
+TEST(FeatureJson, SourcesAreRandomOrSystematicAndEachIsToldOnce) {
+  const auto with_sources = [](const std::string& sources) {
+    return line_message(
+        with(json_line(""), R"("features":)", R"("sources":[)" + sources + R"(],"features":)"));
+  };
+  const std::string one = R"({"owner":"x","column":0,"kind":"random","tick":1})";
+  EXPECT_EQ(with_sources(one), "a set");
+  EXPECT_EQ(with_sources(one + "," + one), "source 2: the same as one before it");
+  EXPECT_EQ(with_sources(R"({"owner":"x","column":0,"kind":"randm","tick":1})"),
+            "source 1: unknown kind 'randm'; expected random or systematic");
+}
+
 TEST(FeatureJson, NestedAsDeepAsALineIsLongIsAnErrorOnly) {
   const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
   EXPECT_EQ(line_message(R"({"tick":)" + deep + R"(,"time":0})"),
