@@ -7,7 +7,14 @@
 namespace ilss {
 namespace {
 
-/// The study's cases on 2,000 scans of 400 rooms of a seed of this test alone.
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool is_slow = true;
+#else
+constexpr bool is_slow = false;
+#endif
+
+/// The study's cases on 2,000 scans of 400 rooms of a seed of this test alone; a quarter of them
+/// where a sanitizer makes them slow.
 const std::vector<SetCase>& cases() {
   static const std::vector<SetCase> made = [] {
     Registry registry;
@@ -16,7 +23,7 @@ const std::vector<SetCase>& cases() {
     auto study =
         read_study(ILSS_SOURCE_DIR "/graphs/laser_segmenters.study.yaml", registry, diagnostics);
     for (const Diagnostic& d : diagnostics.sorted()) ADD_FAILURE() << format_diagnostic(d);
-    study->runs = 2000;
+    study->runs = is_slow ? 500 : 2000;
     study->seed = 7001;
     return compare_sets(*study);
   }();
@@ -66,6 +73,7 @@ TEST(LaserSegmenters, WhatTheBestFindsIsAsWrongAsItSays) {
 }
 
 TEST(LaserSegmenters, WithTheTrueSegmentsErrorsAreAsStated) {
+  if (is_slow) GTEST_SKIP() << "by design: too few scans where a sanitizer makes them slow";
   for (const Judged what : {lines, arcs, corners}) {
     const ElementScore& found = score(0, reference, what);
     EXPECT_TRUE(found.nees_bounds(0.99).contains(found.mean_nees())) << what;
