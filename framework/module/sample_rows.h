@@ -105,9 +105,9 @@ class Columns {
     using RowBytes = std::array<std::uint8_t, sizeof(Row)>;
     std::array<std::uint8_t, sizeof(Number)> ones{};
     ones.fill(0xff);
-    Row row = std::bit_cast<Row>(RowBytes{});
+    auto row = std::bit_cast<Row>(RowBytes{});
     row.*column.member = std::bit_cast<Number>(ones);
-    const RowBytes bytes = std::bit_cast<RowBytes>(row);
+    const auto bytes = std::bit_cast<RowBytes>(row);
     const std::size_t begin = std::exchange(place, place + sizeof(Number));
     for (std::size_t i = 0; i < bytes.size(); ++i)
       if (bytes[i] != (i >= begin && i < place ? 0xff : 0)) return false;

@@ -217,7 +217,7 @@ void Perturbation::prepare(Step& step) {
 
 void Perturbation::apply(std::span<const double> errors, std::uint64_t seed) {
   for (std::size_t k = 0; k < errors_.size(); ++k) {
-    changed_[k] = errors[k] != errors_[k];
+    changed_[k] = errors[k] != errors_[k] ? 1 : 0;
     errors_[k] = errors[k];
   }
   const bool draws_anew = seed_ != seed;

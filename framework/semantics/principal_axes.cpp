@@ -34,14 +34,14 @@ void PrincipalAxes::take(const Lineage& lineage) {
   dimension_ = lineage.dimension();
   rows_.clear();
   const auto m = static_cast<Eigen::Index>(dimension_);
-  constexpr int most = Fields::capacity;
+  constexpr std::size_t most = Fields::capacity;
   if (m == 0) return;
   if (m == 1) {
     if (const double variance = lineage.variance(0); variance > 0)
       rows_.push_back(1 / std::sqrt(variance));
     return;
   }
-  if (m <= most) {
+  if (dimension_ <= most) {
     std::array<double, most * most> buffer;
     const Eigen::Map<Eigen::MatrixXd> covariance(buffer.data(), m, m);
     lineage.covariance(covariance);

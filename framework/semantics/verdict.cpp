@@ -235,8 +235,8 @@ class Judgement {
     const bool negligible = is_negligible(moments, c, variance);
     const bool clear = negligible || is_clear(moments, variance, size);
     clear_ &= clear;
-    clear_component_.push_back(clear);
-    negligible_.push_back(negligible);
+    clear_component_.push_back(clear ? 1 : 0);
+    negligible_.push_back(negligible ? 1 : 0);
     rounding_.push_back(relative_rounding * size);
     report_->components.push_back(Verdict::linear_ok);
     report_->bias.push_back(moments.bias());
@@ -471,6 +471,7 @@ Judge::Judge(const System& system, std::vector<std::size_t> nodes, std::vector<s
   std::sort(cut_.begin(), cut_.end());
   for (std::vector<std::size_t>& places : groups_of(system, nodes, cut_)) {
     std::vector<std::size_t> members;
+    members.reserve(places.size());
     for (const std::size_t place : places) members.push_back(nodes[place]);
     groups_.emplace_back(std::move(members), std::move(places));
   }
