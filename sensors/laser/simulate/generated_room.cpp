@@ -22,7 +22,7 @@ class Draw {
   double between(double low, double high) { return draw_uniform(random_, low, high); }
   /// Whole numbers from `low` to `high`.
   int whole(int low, int high) {
-    return low + static_cast<int>(draw_index(random_, static_cast<std::uint64_t>(high - low + 1)));
+    return low + static_cast<int>(draw_index(random_, static_cast<std::uint64_t>(high - low) + 1));
   }
   bool chance(double probability) { return between(0, 1) < probability; }
 
