@@ -121,6 +121,10 @@ void measure_log(const Registry& registry, const std::filesystem::path& folder, 
     Pipeline pipeline(registry, segmenter, &scan);
     const Estimate parameters(descriptor<LaserLog::Parameters>());
     std::int64_t tick = 0;
+    if (const auto opened = source.open(); !opened) {
+      fmt::print("{}: {}\n", segmenter, opened.fault().message);
+      continue;
+    }
     while (source.evaluate({tick, {}, 1, 1, parameters, {}}, scan).has_output())
       pipeline.run(tick++);
     fmt::print("{:<26}{:>8}{:>14.2f}{:>12.2f}{:>12.2f}{:>12.2f}\n", segmenter, tick,
