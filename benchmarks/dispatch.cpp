@@ -1,8 +1,6 @@
 // What a tick costs beside the modules' own work. Claims, on one thread:
-//  - a chain of 8 trivial modules takes about 12 ns a module; what oneTBB's flow graph takes for
-//  the
-//    same (function nodes, lightweight policy) is from two thirds of that to twice as much, by
-//    processor;
+//  - a chain of 8 trivial modules takes about 12 ns a module; oneTBB's flow graph takes for the
+//    same (function nodes, lightweight policy) from 0.6 times that to twice as much, by processor;
 //  - with its instruments (a latency histogram per module) at most 50 ns a module;
 //  - the cost of a tick grows linearly to 10,000 modules.
 // Run: build/release/bin/bench_dispatch --benchmark_repetitions=9
